@@ -1,0 +1,78 @@
+"""grasp-core: one small module per command, imported only when it is called."""
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import Protocol, cast
+
+from grasp_core.errors import Cancelled, GraspError
+
+
+class Command(Protocol):
+    """A command is a dataclass of its arguments with a `run` method."""
+
+    def run(self) -> int | None:
+        """Do it; the exit status, 0 when None."""
+        ...
+
+
+COMMANDS: dict[str, tuple[str, str, str]] = {}
+"""Words of a command → (module in this package, class, what it does)."""
+
+
+def _usage() -> str:
+    width = max(map(len, COMMANDS), default=0)
+    lines = [f"  {words:<{width}}  {text}" for words, (_, _, text) in COMMANDS.items()]
+    return "\n".join(
+        ["usage: grasp-core COMMAND [options] [--debug]", "", *lines, "", "grasp-core COMMAND --help shows the options"]
+    )
+
+
+def _find(arguments: Sequence[str]) -> tuple[str, list[str]] | None:
+    for count in (2, 1):
+        words = " ".join(arguments[:count])
+        if words in COMMANDS:
+            return words, list(arguments[count:])
+    return None
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; exit status 0 done, 2 bad input or usage, 1 anything else, 130 cancelled."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    debug = "--debug" in given
+    given = [word for word in given if word != "--debug"]
+    if not given or given[0] in ("-h", "--help"):
+        print(_usage())
+        return 0 if given else 2
+    found = _find(given)
+    if found is None:
+        group = [words for words in COMMANDS if words.startswith(given[0] + " ")]
+        known = ", ".join(group or dict.fromkeys(words.split()[0] for words in COMMANDS))
+        asks = len(given) > 1 and given[1] in ("-h", "--help")
+        print(f"grasp-core: '{' '.join(given[:2])}' is no command; choose one of: {known}", file=sys.stderr)
+        return 0 if group and asks else 2
+    words, rest = found
+    try:
+        import tyro
+
+        module, name, _ = COMMANDS[words]
+        kind = getattr(importlib.import_module(f"grasp_core.cli.{module}"), name)
+        command = cast(Command, tyro.cli(kind, args=rest, prog=f"grasp-core {words}"))
+        return command.run() or 0
+    except (GraspError, KeyboardInterrupt) as error:
+        if debug:
+            raise
+        cancelled = isinstance(error, KeyboardInterrupt | Cancelled)
+        print(f"grasp-core: {str(error) or 'cancelled'}", file=sys.stderr)
+        return 130 if cancelled else 2
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 2
+    except Exception as error:
+        if debug:
+            raise
+        print(f"grasp-core: {type(error).__name__}: {error} (run again with --debug for the traceback)", file=sys.stderr)
+        return 1

@@ -1,0 +1,1 @@
+"""The dataset: store, generation, labels, review and foreign formats."""

@@ -1,0 +1,1 @@
+"""The two networks, their runtime and their weights."""

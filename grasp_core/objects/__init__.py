@@ -1,0 +1,1 @@
+"""Objects: assets, the parametric catalogue, importers and convex decomposition."""

@@ -1,0 +1,1 @@
+"""Planners: depth image in, plan out."""

@@ -1,0 +1,1 @@
+"""Image-based planners to compare the cascade with."""

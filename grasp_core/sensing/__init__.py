@@ -1,0 +1,1 @@
+"""Simulated depth and what happens to an image before planning."""

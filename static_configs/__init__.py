@@ -1,0 +1,1 @@
+"""Shipped configuration files; found through importlib.resources (see `grasp_core.config`)."""
