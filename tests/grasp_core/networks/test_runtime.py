@@ -1,0 +1,122 @@
+import importlib.util
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grasp_core.errors import ConfigError, ImageError
+from grasp_core.networks.runtime import load_runtime
+
+Maker = Callable[..., Path]
+needs_openvino = pytest.mark.skipif(importlib.util.find_spec("openvino") is None, reason="OpenVINO is not installed")
+BACKENDS = [pytest.param("openvino", marks=needs_openvino), "torch"]
+
+
+@needs_openvino
+def test_backends_agree(make_weights: Maker) -> None:
+    path = make_weights(width=16)
+    fast, reference = (load_runtime(path, backend, threads=1) for backend in ("openvino", "torch"))  # type: ignore[arg-type]
+    assert fast.digest == reference.digest
+    rng = np.random.default_rng(0)
+    crops = rng.normal(0, 1, (70, 48, 48)).astype(np.float32)
+    scores = fast.scores(crops)
+    assert scores.std() > 0.01
+    assert np.abs(scores - reference.scores(crops)).max() <= 0.005
+    for shape in ((300, 300), (131, 222)):
+        heights = rng.uniform(0, 2, (1, *shape)).astype(np.float32)
+        maps = fast.quality_map(heights)
+        assert maps.std() > 0.01
+        np.testing.assert_allclose(maps, reference.quality_map(heights), atol=0.005)
+
+
+@needs_openvino
+def test_half_precision_stays_close(make_weights: Maker) -> None:
+    path = make_weights(width=8)
+    crops = np.random.default_rng(0).normal(0, 1, (64, 48, 48)).astype(np.float32)
+    full = load_runtime(path, "openvino", threads=1).scores(crops)
+    half = load_runtime(path, "openvino", threads=1, precision="bf16").scores(crops)
+    assert np.abs(full - half).max() <= 0.03
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_shapes_and_their_errors(make_weights: Maker, backend: str) -> None:
+    runtime = load_runtime(make_weights(), backend, threads=1)  # type: ignore[arg-type]
+    assert runtime.backend.startswith(backend)
+    assert runtime.scores(np.zeros((0, 48, 48), np.float32)).shape == (0,)
+    assert runtime.quality_map(np.zeros((0, 30, 30), np.float32)).shape == (0, 30, 30)
+    assert runtime.quality_map(np.zeros((2, 31, 29), np.float32)).shape == (2, 31, 29)
+    scores = runtime.scores(np.zeros((3, 48, 48), np.float32))
+    assert scores.dtype == np.float32
+    assert np.all((scores >= 0) & (scores <= 1))
+    with pytest.raises(ImageError, match="48, 48"):
+        runtime.scores(np.zeros((3, 32, 32), np.float32))
+    with pytest.raises(ImageError, match="first axis"):
+        runtime.quality_map(np.zeros((30, 30), np.float32))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_results_do_not_change_with_the_next_call(make_weights: Maker, backend: str) -> None:
+    runtime = load_runtime(make_weights(), backend, threads=1)  # type: ignore[arg-type]
+    rng = np.random.default_rng(0)
+    first = runtime.scores(rng.normal(size=(4, 48, 48)).astype(np.float32))
+    kept = first.copy()
+    runtime.scores(rng.normal(size=(4, 48, 48)).astype(np.float32))
+    np.testing.assert_array_equal(first, kept)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_several_threads_may_call(make_weights: Maker, backend: str) -> None:
+    runtime = load_runtime(make_weights(), backend, threads=1)  # type: ignore[arg-type]
+    crops = np.random.default_rng(0).normal(size=(6, 8, 48, 48)).astype(np.float32)
+    wanted = [runtime.scores(batch) for batch in crops]
+    wrong: list[int] = []
+
+    def work(index: int) -> None:
+        for _ in range(5):
+            if not np.allclose(runtime.scores(crops[index]), wanted[index], atol=1e-6):
+                wrong.append(index)
+
+    threads = [threading.Thread(target=work, args=(index,)) for index in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+def test_refuses_unknown_backend_and_threads(make_weights: Maker) -> None:
+    with pytest.raises(ConfigError, match="auto, openvino, torch"):
+        load_runtime(make_weights(), "tensorflow")  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match="at least 1"):
+        load_runtime(make_weights(), threads=0)
+
+
+ALONE = """
+import socket, sys
+def refuse(*_, **__):
+    raise SystemExit("something tried to reach the network")
+socket.socket.connect = socket.socket.connect_ex = socket.getaddrinfo = socket.create_connection = refuse
+import numpy as np
+from grasp_core.networks.inputs import regression_input
+from grasp_core.networks.runtime import load_runtime
+runtime = load_runtime(sys.argv[1], threads=1)
+runtime.quality_map(regression_input(np.full((1, 60, 60), 0.7, np.float32)))
+runtime.scores(np.zeros((2, 48, 48), np.float32))
+unwanted = ("torch", "openvino_telemetry")
+loaded = [name for name, module in sys.modules.items() if module and name.split(".")[0] in unwanted]
+assert not loaded, loaded
+print(runtime.backend)
+"""
+
+
+@needs_openvino
+def test_planning_needs_no_torch_and_no_network(make_weights: Maker) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", ALONE, str(make_weights())], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "openvino"
