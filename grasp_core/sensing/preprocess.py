@@ -66,15 +66,15 @@ def read_mask(path: str | Path, shape: tuple[int, int]) -> NDArray[np.bool_]:
     read = _read_array(path) if path.suffix.lower() == ".npy" else cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     if read is None:
         raise ImageError(f"{path}: cannot be read as an image; give a PNG whose white pixels may be grasped")
-    array: NDArray = np.asarray(read)
+    array: NDArray[np.bool_] = np.asarray(read) > 0
     if array.ndim == 3:
-        array = (array[:, :, :3] > 0).any(axis=2)
+        array = np.any(array[:, :, :3], axis=2)
     if array.shape != tuple(shape):
         raise ImageError(
             f"{path}: the mask is {array.shape[-1]}×{array.shape[0]} pixels but the image {shape[1]}×{shape[0]};"
             " give the mask of this image"
         )
-    return np.asarray(array > 0)
+    return np.asarray(array)
 
 
 def _read_array(path: Path) -> NDArray:
