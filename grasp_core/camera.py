@@ -1,6 +1,7 @@
 """Pinhole cameras, depth images, and the way between pixels and the world (Eq. 2 of the paper).
 
-Camera frame: OpenCV's, x right, y down, z forward. Whole pixel coordinates are pixel centres. World: z up, table at z = 0.
+Camera frame: OpenCV's, x right, y down, z forward. Whole pixel coordinates are pixel centres. World: z up, the table is
+z = 0.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-import cv2
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,37 @@ from grasp_core.errors import ConfigError, GraspError, ImageError
 
 _FARTHEST = 20.0
 """Metres: a median depth beyond it means that the values are not metres."""
+
+
+def rigid(matrix: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Check a rigid transform; returns a read-only copy whose rotation is exactly orthonormal.
+
+    Args:
+        matrix: (4, 4); a rotation given with few digits (within 1e-4) is rounded to the nearest one.
+        name: what the matrix is called, for the errors.
+
+    Raises:
+        GraspError: not 4×4 numbers, not finite, no rotation, or a wrong last row.
+    """
+    try:
+        given = np.asarray(matrix, float)
+    except (TypeError, ValueError) as error:
+        raise GraspError(f"{name} must be a 4×4 matrix of numbers: four rows of four") from error
+    if given.shape != (4, 4) or not np.isfinite(given).all():
+        raise GraspError(f"{name} must be a 4×4 matrix of finite numbers, not {given.tolist()}")
+    rotation = given[:3, :3]
+    off = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if off > 1e-4 or np.linalg.det(rotation) < 0:
+        raise GraspError(f"{name} holds no rotation: its 3×3 part is not orthonormal and right-handed")
+    if not np.allclose(given[3], [0, 0, 0, 1]):
+        raise GraspError(f"the last row of {name} must be 0 0 0 1, not {given[3].tolist()}")
+    checked = given.copy()
+    checked[3] = [0, 0, 0, 1]
+    if off > 1e-9:
+        left, _, right = np.linalg.svd(rotation)
+        checked[:3, :3] = left @ right
+    checked.setflags(write=False)
+    return checked
 
 
 class CameraIntrinsics(msgspec.Struct, frozen=True):
@@ -47,8 +78,26 @@ class CameraIntrinsics(msgspec.Struct, frozen=True):
         """K_c, 3×3."""
         return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]], float)
 
+    def pixels(self, rays: ArrayLike) -> NDArray[np.float64]:
+        """Directions (…, 2) as x/z, y/z in the camera frame → pixels (…, 2) as u, v, with distortion."""
+        x, y = np.moveaxis(np.asarray(rays, float), -1, 0)
+        if self.distortion is not None:
+            x, y = _distort(x, y, self.distortion)[0]
+        return np.stack([self.fx * x + self.cx, self.fy * y + self.cy], axis=-1)
 
-@dataclass(frozen=True)
+    def rays(self, pixels: ArrayLike) -> NDArray[np.float64]:
+        """Pixels (…, 2) as u, v → directions (…, 2) as x/z, y/z in the camera frame; inverse of `pixels`.
+
+        NaN where the distortion has no inverse: such coefficients fold the image over before its corners.
+        """
+        uv = np.asarray(pixels, float)
+        x, y = (uv[..., 0] - self.cx) / self.fx, (uv[..., 1] - self.cy) / self.fy
+        if self.distortion is not None:
+            x, y = _undistort(x, y, self.distortion)
+        return np.stack([x, y], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
 class Camera:
     """Intrinsics and pose.
 
@@ -61,19 +110,18 @@ class Camera:
     world_from_camera: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
-        if self.world_from_camera is None:
-            return
-        pose = np.asarray(self.world_from_camera, float)
-        if pose.shape != (4, 4) or not np.isfinite(pose).all():
-            raise GraspError(f"world_from_camera must be a 4×4 matrix of finite numbers, not of shape {pose.shape}")
-        rotation = pose[:3, :3]
-        if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-4) or np.linalg.det(rotation) < 0:
-            raise GraspError("world_from_camera holds no rotation (its 3×3 part is not orthonormal and right-handed)")
-        if not np.allclose(pose[3], [0, 0, 0, 1]):
-            raise GraspError("the last row of world_from_camera must be 0 0 0 1")
-        pose = pose.copy()
-        pose.setflags(write=False)
-        object.__setattr__(self, "world_from_camera", pose)
+        if self.world_from_camera is not None:
+            object.__setattr__(self, "world_from_camera", rigid(self.world_from_camera, "world_from_camera"))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Camera):
+            return NotImplemented
+        mine, others = self.world_from_camera, other.world_from_camera
+        same_pose = mine is others or (mine is not None and others is not None and np.array_equal(mine, others))
+        return self.intrinsics == other.intrinsics and same_pose
+
+    def __hash__(self) -> int:
+        return hash(self.intrinsics)
 
     @property
     def pose(self) -> NDArray[np.float64]:
@@ -100,25 +148,14 @@ class Camera:
         camera = world @ self.camera_from_world[:3, :3].T + self.camera_from_world[:3, 3]
         depth = camera[..., 2]
         with np.errstate(divide="ignore", invalid="ignore"):
-            x, y = camera[..., 0] / depth, camera[..., 1] / depth
-        k = self.intrinsics
-        if k.distortion is not None:
-            x, y = _distort(x, y, k.distortion)
-        return np.stack([k.fx * x + k.cx, k.fy * y + k.cy, depth], axis=-1)
+            pixels = self.intrinsics.pixels(camera[..., :2] / depth[..., None])
+        return np.concatenate([pixels, depth[..., None]], axis=-1)
 
     def deproject(self, pixels: ArrayLike, depth: ArrayLike) -> NDArray[np.float64]:
         """Pixels (…, 2) and their z-depths (…), metres → world points (…, 3), metres; inverse of `project`."""
-        uv = np.asarray(pixels, float)
-        z = np.asarray(depth, float)
-        k = self.intrinsics
-        if k.distortion is None:
-            x, y = (uv[..., 0] - k.cx) / k.fx, (uv[..., 1] - k.cy) / k.fy
-        else:
-            flat = uv.reshape(-1, 1, 2)
-            criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
-            ideal = cv2.undistortPointsIter(flat, k.matrix, np.array(k.distortion), None, None, criteria)
-            x, y = np.moveaxis(ideal.reshape(uv.shape), -1, 0)
-        camera = np.stack([x * z, y * z, z], axis=-1)
+        rays = self.intrinsics.rays(pixels)
+        z = np.broadcast_to(np.asarray(depth, float), rays.shape[:-1])[..., None]
+        camera = np.concatenate([rays * z, z], axis=-1)
         return np.asarray(camera @ self.pose[:3, :3].T + self.pose[:3, 3])
 
     def at(self, world_from_camera: ArrayLike) -> Camera:
@@ -126,17 +163,48 @@ class Camera:
         return Camera(self.intrinsics, np.asarray(world_from_camera, float))
 
 
+_Plane = NDArray[np.float64]
+
+
 def _distort(
-    x: NDArray[np.float64], y: NDArray[np.float64], coefficients: tuple[float, ...]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """OpenCV's radial-tangential model on normalised coordinates (OpenCV documentation, calib3d)."""
+    x: _Plane, y: _Plane, coefficients: tuple[float, ...]
+) -> tuple[tuple[_Plane, _Plane], tuple[_Plane, _Plane, _Plane]]:
+    """OpenCV's radial-tangential model on normalised coordinates (OpenCV documentation, calib3d), and its derivatives.
+
+    Returns:
+        ((x, y) distorted, (∂x/∂x, ∂x/∂y = ∂y/∂x, ∂y/∂y)).
+    """
     k1, k2, p1, p2, k3 = coefficients
     r2 = x * x + y * y
     radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    return (
+    slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3))  # ∂radial/∂x = slope · x
+    distorted = (
         x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
         y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y,
     )
+    derivatives = (
+        radial + slope * x * x + 2 * p1 * y + 6 * p2 * x,
+        slope * x * y + 2 * p1 * x + 2 * p2 * y,
+        radial + slope * y * y + 6 * p1 * y + 2 * p2 * x,
+    )
+    return distorted, derivatives
+
+
+def _undistort(x: _Plane, y: _Plane, coefficients: tuple[float, ...]) -> tuple[_Plane, _Plane]:
+    """Newton's inverse of `_distort`; NaN where it finds none or only one beyond a fold of the model."""
+    found_x, found_y = np.array(x), np.array(y)
+    with np.errstate(all="ignore"):
+        for _ in range(30):
+            (dx, dy), (a, b, c) = _distort(found_x, found_y, coefficients)
+            off_x, off_y = dx - x, dy - y
+            determinant = a * c - b * b
+            found_x = found_x - (c * off_x - b * off_y) / determinant
+            found_y = found_y - (a * off_y - b * off_x) / determinant
+            if max(np.abs(off_x).max(initial=0.0), np.abs(off_y).max(initial=0.0)) < 1e-12:
+                break
+        (dx, dy), (a, b, c) = _distort(found_x, found_y, coefficients)
+        good = (np.hypot(dx - x, dy - y) < 1e-9) & (a * c - b * b > 0) & (a + c > 0)
+    return np.where(good, found_x, np.nan), np.where(good, found_y, np.nan)
 
 
 def look_down(height: float, x: float = 0.0, y: float = 0.0, tilt: float = 0.0) -> NDArray[np.float64]:
@@ -166,7 +234,7 @@ def canonical_camera(size: int = 300) -> Camera:
     return Camera(CameraIntrinsics(525.0, 525.0, centre, centre, size, size), look_down(CANONICAL_HEIGHT))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DepthImage:
     """A depth image with its camera.
 
@@ -186,8 +254,8 @@ class DepthImage:
             raise ImageError("depth must be float32 and valid boolean; make depth images with DepthImage.from_array")
         if self.depth.shape != (k.height, k.width) or self.valid.shape != self.depth.shape:
             raise ImageError(
-                f"the depth image is {self.depth.shape[1]}×{self.depth.shape[0]} pixels but its camera {k.width}×{k.height};"
-                " give the camera file of this image"
+                f"the depth image has {self.depth.shape[::-1]} pixels (width, height) but its camera"
+                f" {(k.width, k.height)}; give the camera file of this image"
             )
 
     @classmethod
@@ -236,19 +304,19 @@ class _CameraFile(config.Settings):
     width: int
     height: int
     distortion: tuple[float, float, float, float, float] | None = None
-    world_from_camera: list[list[float]] | None = None
+    world_from_camera: tuple[tuple[float, float, float, float], ...] | None = None
 
 
 def load_camera(name: str | Path) -> Camera:
-    """Read a camera file (YAML; DESIGN's contract) or a shipped camera by name.
+    """Read a camera file (YAML: fx fy cx cy width height, optional distortion and pose) or a shipped camera by name.
 
     Raises:
         ConfigError: missing file, unknown or ill-typed key, or values that make no camera.
     """
+    path = config.locate("cameras", name)
     read = config.load("cameras", name, _CameraFile)
     try:
         intrinsics = CameraIntrinsics(read.fx, read.fy, read.cx, read.cy, read.width, read.height, read.distortion)
-        pose = None if read.world_from_camera is None else np.array(read.world_from_camera, float)
-        return Camera(intrinsics, pose)
-    except (GraspError, ValueError) as error:
-        raise ConfigError(f"{name}: {error}") from error
+        return Camera(intrinsics, None if read.world_from_camera is None else np.array(read.world_from_camera, float))
+    except GraspError as error:
+        raise ConfigError(f"{path}: {error}") from error

@@ -46,7 +46,8 @@ class Grasp(msgspec.Struct, frozen=True):
 
     Attributes:
         position: p, the midpoint of the fingers' lower ends at the moment of closing, metres (x, y, z).
-        angle: φ of the closing axis about world z, rad, counter-clockwise from x seen from above; stored in [−π/2, π/2).
+        angle: φ of the closing axis about world z, rad, counter-clockwise from x seen from above; stored in
+            [−π/2, π/2).
         width: w, the opening at approach, metres.
     """
 

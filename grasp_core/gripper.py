@@ -7,6 +7,7 @@ what people see.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import msgspec
@@ -25,8 +26,8 @@ class Box(config.Settings):
     z: float
 
     def __post_init__(self) -> None:
-        if min(self.x, self.y, self.z) <= 0:
-            raise ValueError(f"a box's sides must be above 0, not {self.x}, {self.y}, {self.z}")
+        if not all(0 < side < math.inf for side in self.size):
+            raise ValueError(f"a box's sides are finite lengths above 0 in metres, not {self.x}, {self.y}, {self.z}")
 
     @property
     def size(self) -> tuple[float, float, float]:
@@ -61,8 +62,8 @@ class Gripper(config.Settings):
 
     def __post_init__(self) -> None:
         for field in ("opening", "finger_mass", "force", "speed"):
-            if getattr(self, field) <= 0:
-                raise ValueError(f"{field} must be above 0, not {getattr(self, field)}")
+            if not 0 < getattr(self, field) < math.inf:
+                raise ValueError(f"{field} must be a finite number above 0, not {getattr(self, field)}")
         if self.rod.x < self.opening + 2 * self.finger.x - 1e-9:
             raise ValueError(
                 f"the rod is {self.rod.x} m long but must carry two fingers at full opening:"

@@ -8,16 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core.camera import Camera, canonical_camera
+from grasp_core.camera import Camera, canonical_camera, rigid
 from grasp_core.objects.asset import ObjectAsset
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlacedObject:
-    """An object and its pose: `world_from_object`, 4×4."""
+    """An object and its pose: `world_from_object`, 4×4, metres."""
 
     asset: ObjectAsset
     world_from_object: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "world_from_object", rigid(self.world_from_object, "world_from_object"))
 
     @property
     def vertices(self) -> NDArray[np.float64]:
@@ -26,7 +29,7 @@ class PlacedObject:
         return self.asset.vertices @ pose[:3, :3].T + pose[:3, 3]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Objects at rest on the table (z = 0) under a camera.
 
@@ -41,12 +44,12 @@ class Scene:
     @classmethod
     def single(cls, asset: ObjectAsset, world_from_object: NDArray[np.float64], camera: Camera | None = None) -> Scene:
         """One object at a pose, under the canonical camera unless told otherwise."""
-        return cls((PlacedObject(asset, np.asarray(world_from_object, float)),), camera or canonical_camera())
+        return cls((PlacedObject(asset, world_from_object),), camera or canonical_camera())
 
     def moved(self, index: int, world_from_object: NDArray[np.float64]) -> Scene:
         """The same scene with object `index` at another pose."""
         objects = list(self.objects)
-        objects[index] = replace(objects[index], world_from_object=np.asarray(world_from_object, float))
+        objects[index] = replace(objects[index], world_from_object=world_from_object)
         return replace(self, objects=tuple(objects))
 
 

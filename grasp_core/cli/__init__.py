@@ -70,9 +70,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else 2
+        return 0 if stop.code is None else stop.code if isinstance(stop.code, int) else 2
     except Exception as error:
         if debug:
             raise
-        print(f"grasp-core: {type(error).__name__}: {error} (run again with --debug for the traceback)", file=sys.stderr)
+        print(
+            f"grasp-core: {type(error).__name__}: {error} (run again with --debug for the traceback)", file=sys.stderr
+        )
         return 1

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from grasp_core.errors import MeshError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Part:
     """One convex collision part: vertices (V, 3) float64 in the object frame, metres; faces (F, 3) int32, outward."""
 
@@ -33,7 +33,7 @@ class Part:
         return trimesh.Trimesh(self.vertices, self.faces, process=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ObjectAsset:
     """A rigid object.
 
@@ -61,6 +61,16 @@ class ObjectAsset:
     decomposition: str = "exact"
     source: str = ""
     meta: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.parts or self.vertices.ndim != 2 or self.vertices.shape[1] != 3 or not len(self.faces):
+            raise MeshError(f"the object '{self.name}' needs a mesh and at least one convex part; import it again")
+        if not (self.volume > 0 and np.isfinite(self.vertices).all() and np.isfinite(self.unit_inertia).all()):
+            raise MeshError(
+                f"the object '{self.name}' has no volume or holds numbers that are not finite; mend its mesh"
+            )
+        if self.mass is not None and not 0 < self.mass < float("inf"):
+            raise MeshError(f"the object '{self.name}' has the mass {self.mass} kg; state one above 0 or none")
 
     @cached_property
     def mesh(self) -> trimesh.Trimesh:
@@ -133,9 +143,7 @@ class ObjectAsset:
                     parts=parts,
                     **head,
                 )
-        except MeshError:
-            raise
-        except Exception as error:
+        except Exception as error:  # zip, npy, JSON and type errors alike mean damaged bytes
             raise MeshError(f"these bytes hold no object asset ({error}); import the object again") from error
 
     def save(self, path: Path) -> None:
