@@ -1,0 +1,288 @@
+"""Convex decomposition, made once per mesh, and the making of assets.
+
+CoACD runs in a process of its own that is killed at a time-out, with a fixed seed on one thread. Its result, or the
+fallback that was taken, is kept in the user's cache folder under the content of the mesh.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import manifold3d
+import numpy as np
+import platformdirs
+import trimesh
+from numpy.typing import NDArray
+
+from grasp_core.errors import MeshError
+from grasp_core.objects.asset import ObjectAsset, Part
+from grasp_core.objects.hulls import arrays, convex_part, mass_properties, solid
+
+VERSION = 1
+"""Raise this when the parts of a mesh would come out differently: it is part of the cache's key."""
+
+COACD = {
+    "threshold": 0.05,  # concavity that is let be, of the unit mesh
+    "resolution": 600,
+    "mcts_nodes": 10,
+    "mcts_iterations": 40,
+    "mcts_max_depth": 2,
+    "seed": 0,
+}
+NEARLY_CONVEX = 0.985
+"""A closed body that fills this share of its hull is one part."""
+
+
+@dataclass(frozen=True)
+class Decomposition:
+    """Convex parts in the frame of the mesh, and how they came about ("exact…", "coacd…" or "hull…")."""
+
+    parts: tuple[Part, ...]
+    method: str
+
+
+@dataclass(frozen=True)
+class _Body:
+    mesh: trimesh.Trimesh
+    solid: manifold3d.Manifold = field(repr=False)
+
+    @property
+    def closed(self) -> bool:
+        return not self.solid.is_empty() and self.solid.volume() > 0
+
+    @property
+    def convex(self) -> bool:
+        return self.closed and self.solid.volume() >= NEARLY_CONVEX * self.solid.hull().volume()
+
+
+def decompose(
+    mesh: trimesh.Trimesh, *, max_parts: int = 8, max_vertices: int = 24, timeout_s: float = 60.0
+) -> Decomposition:
+    """Split a mesh into at most `max_parts` closed convex parts of at most `max_vertices` vertices.
+
+    Meshes whose few bodies are convex already keep them. Everything else goes to CoACD; when that fails or takes
+    longer than `timeout_s`, each body becomes its hull (few bodies) or the whole mesh one hull, and `method` says so.
+
+    Args:
+        mesh: any triangle mesh; it may be open, wound badly or of many bodies.
+        max_parts: at most so many parts.
+        max_vertices: at most so many vertices each.
+        timeout_s: seconds after which CoACD is killed.
+
+    Raises:
+        MeshError: no faces, or coordinates that are not finite.
+    """
+    mesh = cleaned(mesh)
+    low, size = mesh.bounds[0], float(mesh.extents.max())
+    unit = np.round((mesh.vertices - low) / size, 6)
+    key = hashlib.sha256(
+        f"{VERSION} {importlib.metadata.version('coacd')} {max_parts} {max_vertices} {timeout_s:g} {COACD}".encode()
+        + unit.tobytes()
+        + np.asarray(mesh.faces, np.int32).tobytes()
+    ).hexdigest()[:32]
+    file = Path(platformdirs.user_cache_dir("grasp-workbench")) / "parts" / f"{key}.npz"
+    found = _read(file)
+    if found is None:
+        found = _decompose(trimesh.Trimesh(unit, mesh.faces, process=False), max_parts, max_vertices, timeout_s)
+        _write(file, found)
+    parts = tuple(replace(part, vertices=part.vertices * size + low) for part in found.parts)
+    return Decomposition(parts, found.method)
+
+
+def cleaned(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """A copy with equal vertices merged and degenerate, repeated and unused elements removed.
+
+    Raises:
+        MeshError: nothing is left, or the coordinates are not finite.
+    """
+    vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
+    if len(faces) == 0:
+        raise MeshError("the mesh has no faces (a point cloud or an empty file); export it with its triangles")
+    if not np.isfinite(vertices[np.unique(faces)]).all():
+        raise MeshError("the mesh has coordinates that are not finite numbers; export it again")
+    clean = trimesh.Trimesh(vertices, faces, process=False)
+    clean.merge_vertices(merge_tex=True, merge_norm=True)
+    clean.update_faces(clean.nondegenerate_faces())
+    clean.update_faces(clean.unique_faces())
+    clean.remove_unreferenced_vertices()
+    if len(clean.faces) == 0 or float(clean.extents.max()) <= 0:
+        raise MeshError("the mesh has only degenerate faces; export it again")
+    return clean
+
+
+def _decompose(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int, timeout_s: float) -> Decomposition:
+    bodies = _bodies(mesh)
+    if len(bodies) <= max_parts and all(body.convex for body in bodies):
+        parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
+        return Decomposition(tuple(parts), "exact: " + ("convex" if len(parts) == 1 else f"{len(parts)} convex bodies"))
+    if all(body.closed for body in bodies):
+        union = manifold3d.Manifold.batch_boolean([body.solid for body in bodies], manifold3d.OpType.Add)
+        vertices, faces = arrays(union)
+        preprocess = "off"
+    else:
+        vertices, faces, preprocess = np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32), "on"
+    hulls, why = _coacd(vertices, faces, preprocess, max_parts, timeout_s)
+    if not hulls and preprocess == "off" and "longer" not in why:
+        hulls, why = _coacd(vertices, faces, "on", max_parts, timeout_s)
+    if hulls:
+        parts = _solid_parts([convex_part(points, max_vertices) for points in hulls])
+        return Decomposition(tuple(parts), f"coacd: {len(parts)} parts")
+    if 1 < len(bodies) <= max_parts:
+        parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
+        return Decomposition(tuple(parts), f"hull: of each body, {why}")
+    return Decomposition((convex_part(mesh.vertices, max_vertices),), f"hull: of the whole, {why}")
+
+
+def _bodies(mesh: trimesh.Trimesh) -> list[_Body]:
+    """Connected bodies, each wound outward where it is closed."""
+    pieces = mesh.split(only_watertight=False)
+    bodies = []
+    for piece in pieces if len(pieces) else [mesh]:
+        body = solid(piece.vertices, piece.faces)
+        if body.is_empty() and piece.is_watertight:
+            trimesh.repair.fix_normals(piece)
+            body = solid(piece.vertices, piece.faces)
+        if not body.is_empty() and body.volume() < 0:
+            body = solid(piece.vertices, np.asarray(piece.faces)[:, ::-1])
+        bodies.append(_Body(piece, body))
+    return bodies
+
+
+def _solid_parts(parts: list[Part]) -> list[Part]:
+    """The parts without slivers (under 1e-5 of the largest)."""
+    volumes = np.array([abs(part.mesh.volume) for part in parts])
+    return [part for part, volume in zip(parts, volumes, strict=True) if volume > 1e-5 * volumes.max()]
+
+
+def _coacd(
+    vertices: NDArray, faces: NDArray, preprocess: str, max_parts: int, timeout_s: float
+) -> tuple[list[NDArray[np.float64]], str]:
+    """Hull points of CoACD's parts, or an empty list and the reason."""
+    with tempfile.TemporaryDirectory(prefix="grasp-parts-") as folder:
+        given, made = Path(folder) / "mesh.npz", Path(folder) / "parts.npz"
+        np.savez(given, vertices=vertices, faces=faces)
+        command = [sys.executable, "-m", "grasp_core.objects.decomposition", str(given), str(made)]
+        command += [preprocess, str(max_parts), str(timeout_s)]
+        paths = os.pathsep.join(path for path in sys.path if path)
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": paths}
+        try:
+            done = subprocess.run(command, env=environment, capture_output=True, timeout=timeout_s, check=False)
+        except subprocess.TimeoutExpired:
+            return [], f"CoACD took longer than {timeout_s:g} s"
+        if done.returncode or not made.is_file():
+            return [], f"CoACD failed (status {done.returncode})"
+        with np.load(made) as found:
+            return [found[name] for name in sorted(found.files)], ""
+
+
+def _child(given: str, made: str, preprocess: str, max_parts: str, timeout_s: str) -> None:
+    """What runs in CoACD's own process; ends itself when its parent could not end it."""
+    if hasattr(signal, "alarm"):
+        signal.alarm(int(float(timeout_s)) + 5)
+    import coacd
+
+    coacd.set_log_level("error")
+    with np.load(given) as arrays_:
+        mesh = coacd.Mesh(arrays_["vertices"], arrays_["faces"])
+    found = coacd.run_coacd(
+        mesh,
+        max_convex_hull=int(max_parts),
+        preprocess_mode=preprocess,
+        preprocess_resolution=40 if len(mesh.indices) < 2000 else 30,
+        **COACD,
+    )
+    np.savez(made, **{f"{i:03d}": np.asarray(vertices) for i, (vertices, _) in enumerate(found)})  # type: ignore[arg-type]
+
+
+def _read(file: Path) -> Decomposition | None:
+    try:
+        with np.load(file) as found:
+            count = int(found["count"])
+            parts = tuple(Part(found[f"v{i}"], found[f"f{i}"]) for i in range(count))
+            return Decomposition(parts, str(found["method"]))
+    except (OSError, KeyError, ValueError, EOFError):
+        return None
+
+
+def _write(file: Path, found: Decomposition) -> None:
+    """Keep a result; a cache that cannot be written is no error."""
+    content: dict[str, NDArray] = {"count": np.array(len(found.parts)), "method": np.array(found.method)}
+    for i, part in enumerate(found.parts):
+        content |= {f"v{i}": part.vertices, f"f{i}": part.faces}
+    partial = file.with_name(f".{file.stem}-{uuid.uuid4().hex}.npz")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(partial, **content)  # type: ignore[arg-type]
+        partial.replace(file)
+    except OSError:
+        partial.unlink(missing_ok=True)
+
+
+def build_asset(
+    name: str,
+    category: str,
+    mesh: trimesh.Trimesh,
+    *,
+    parts: Sequence[NDArray[np.float64] | Part] | None = None,
+    densities: Sequence[float] | None = None,
+    mass: float | None = None,
+    decomposition: str | None = None,
+    source: str = "",
+    meta: dict[str, str] | None = None,
+    max_parts: int = 8,
+    max_vertices: int = 24,
+    timeout_s: float = 60.0,
+) -> ObjectAsset:
+    """An asset from a mesh in metres, moved so that its origin is the centre of mass of its parts.
+
+    Args:
+        name: unique name.
+        category: family or class.
+        mesh: what is seen; any axes.
+        parts: convex parts in the mesh's frame, as parts or points (N, 3) whose hull is meant; None decomposes.
+        densities: relative density of each given part; see `mass_properties`.
+        mass: kg where the source states it.
+        decomposition: how given parts came about; "exact" unless told otherwise.
+        source: for people.
+        meta: more for people.
+        max_parts: for `decompose`.
+        max_vertices: for `decompose`, and per given part.
+        timeout_s: for `decompose`.
+
+    Raises:
+        MeshError: a mesh without faces, with numbers that are not finite, or parts without volume.
+    """
+    if parts is None:
+        result = decompose(mesh, max_parts=max_parts, max_vertices=max_vertices, timeout_s=timeout_s)
+        solids, method = result.parts, result.method
+    else:
+        solids = tuple(one if isinstance(one, Part) else convex_part(one, max_vertices) for one in parts)
+        method = decomposition or f"exact: {len(solids)} parts"
+    properties = mass_properties(solids, densities)
+    return ObjectAsset(
+        name=name,
+        category=category,
+        vertices=np.asarray(mesh.vertices, np.float64) - properties.centre,
+        faces=np.asarray(mesh.faces, np.int32),
+        parts=tuple(Part(part.vertices - properties.centre, part.faces) for part in solids),
+        volume=properties.volume,
+        unit_inertia=properties.inertia,
+        mass=mass,
+        decomposition=method,
+        source=source,
+        meta=dict(meta or {}),
+    )
+
+
+if __name__ == "__main__":
+    _child(*sys.argv[1:])
