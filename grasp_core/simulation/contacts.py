@@ -1,0 +1,103 @@
+"""Who touches whom: DART's contacts between fingers and objects, in our terms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grasp_core.simulation.evidence import FingerContact, contact_kind, triple
+from grasp_core.simulation.gripper_model import FINGERS
+from grasp_core.simulation.world import World
+
+
+@dataclass(frozen=True)
+class Touch:
+    """One contact between a finger and an object: world frame, metres and N; the force acts on the object."""
+
+    finger: int
+    object: int
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+
+def _split(name: str) -> tuple[str, str]:
+    owner, _, rest = name.partition("/")
+    return owner, rest
+
+
+def touches(world: World) -> list[Touch]:
+    """Contacts of the last step between fingers and objects; normals point out of the object."""
+    found = []
+    for contact in world.world.getLastCollisionResult().getContacts():
+        first, _ = _split(contact.collisionObject1.getShapeFrame().getName())
+        second, _ = _split(contact.collisionObject2.getShapeFrame().getName())
+        # DART's normal and force point from the second body to the first.
+        if second in FINGERS and first.startswith("object_"):
+            finger, item, sign = second, first, 1.0
+        elif first in FINGERS and second.startswith("object_"):
+            finger, item, sign = first, second, -1.0
+        else:
+            continue
+        found.append(
+            Touch(
+                FINGERS.index(finger),
+                int(item.removeprefix("object_")),
+                np.array(contact.point),
+                -sign * np.array(contact.normal),
+                sign * np.array(contact.force),
+            )
+        )
+    return found
+
+
+def touched(world: World) -> tuple[set[int], set[int]]:
+    """Indices of the objects that the left and the right finger touch."""
+    sides: tuple[set[int], set[int]] = (set(), set())
+    for contact in world.world.getLastCollisionResult().getContacts():
+        first, _ = _split(contact.collisionObject1.getShapeFrame().getName())
+        second, _ = _split(contact.collisionObject2.getShapeFrame().getName())
+        for finger, item in ((first, second), (second, first)):
+            if finger in FINGERS and item.startswith("object_"):
+                sides[FINGERS.index(finger)].add(int(item.removeprefix("object_")))
+    return sides
+
+
+def finger_contacts(
+    found: list[Touch], world_from_gripper: NDArray[np.float64]
+) -> tuple[FingerContact | None, FingerContact | None]:
+    """Sum up contacts per finger (left, right); the object with the larger force counts, None where there is none."""
+    rotation, origin = world_from_gripper[:3, :3], world_from_gripper[:3, 3]
+    result: list[FingerContact | None] = []
+    for finger in (0, 1):
+        mine = [touch for touch in found if touch.finger == finger]
+        if not mine:
+            result.append(None)
+            continue
+        pressure: dict[int, float] = {}
+        for touch in mine:
+            pressure[touch.object] = pressure.get(touch.object, 0.0) - float(touch.force @ touch.normal)
+        item = max(pressure, key=lambda index: pressure[index])
+        mine = [touch for touch in mine if touch.object == item]
+        normals = np.array([touch.normal for touch in mine])
+        forces = np.array([touch.force for touch in mine])
+        points = (np.array([touch.point for touch in mine]) - origin) @ rotation
+        strength = -(forces * normals).sum(axis=1)
+        weights = np.clip(strength, 1e-9, None)
+        weights /= weights.sum()
+        normal = weights @ normals
+        normal /= max(float(np.linalg.norm(normal)), 1e-9)
+        sliding = forces.sum(axis=0) + (strength[:, None] * normals).sum(axis=0)
+        result.append(
+            FingerContact(
+                item,
+                round(float(strength.sum()), 4),
+                round(float(np.linalg.norm(sliding)), 4),
+                triple(normal @ rotation),
+                triple(weights @ points),
+                contact_kind(points),
+            )
+        )
+    return result[0], result[1]

@@ -1,0 +1,136 @@
+"""The DART world of a scene: table, objects and, for trials, the gripper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import dartpy as dart
+import numpy as np
+from numpy.typing import NDArray
+
+from grasp_core.gripper import Gripper
+from grasp_core.objects.asset import ObjectAsset
+from grasp_core.simulation.gripper_model import GripperModel, isometry
+from grasp_core.simulation.object_body import ObjectBody, support_points
+from grasp_core.simulation.physics import Physics, load_physics
+
+__all__ = ["Physics", "World", "load_physics"]
+
+_TABLE = 1.0
+"""Metres: half the side of the table, and its thickness."""
+_MANY = 400
+"""Feet of an object whose pose is not known beforehand."""
+
+
+class World:
+    """Table, objects and, if one is given, a gripper, ready to be stepped.
+
+    The table's top lies one sphere radius below z = 0, so that an object's own vertices rest at z = 0.
+
+    Attributes:
+        world: DART's world.
+        objects: bodies in the order of the assets.
+        gripper: the gripper or None.
+    """
+
+    def __init__(
+        self,
+        assets: Sequence[ObjectAsset],
+        physics: Physics,
+        gripper: Gripper | None = None,
+        *,
+        poses: Sequence[NDArray[np.float64]] | None = None,
+        parts: bool = True,
+    ) -> None:
+        """Build the world.
+
+        Args:
+            assets: of the objects.
+            physics: what the world is made of.
+            gripper: none for a world that only settles.
+            poses: where the objects rest (4×4 each); without them every vertex of a hull can touch the table.
+            parts: whether objects meet fingers and each other; on the table alone they need not.
+        """
+        self.physics = physics
+        self.world = dart.simulation.World()
+        self.world.setTimeStep(physics.time_step)
+        self.world.setGravity([0.0, 0.0, -physics.gravity])
+        # DART sends bodies slower than 1 cm/s to sleep after 0.5 s: a slow slip would stop there.
+        awake = self.world.getDeactivationOptions()
+        awake.mEnabled = False
+        self.world.setDeactivationOptions(awake)
+        solver = self.world.getConstraintSolver()
+        detectors = {"native": dart.collision.DARTCollisionDetector, "fcl": dart.collision.FCLCollisionDetector}
+        solver.setCollisionDetector(detectors[physics.detector]())
+        table = self._table()
+        self.objects: list[ObjectBody] = []
+        for index, asset in enumerate(assets):
+            pose, most = (None, _MANY) if poses is None else (poses[index], physics.contact_points)
+            self.objects.append(ObjectBody(asset, index, physics, support_points(asset, most, pose), parts=parts))
+        for item in self.objects:
+            self.world.addSkeleton(item.skeleton)
+        self.gripper = None
+        if gripper is not None:
+            self.gripper = GripperModel(gripper, physics)
+            self.world.addSkeleton(self.gripper.skeleton)
+        self._separate(table)
+
+    def _table(self) -> dart.dynamics.BodyNode:
+        skeleton = dart.dynamics.Skeleton("table")
+        joint, body = skeleton.createWeldJointAndBodyNodePair()
+        place = np.eye(4)
+        place[2, 3] = -_TABLE / 2 - self.physics.contact_radius
+        joint.setTransformFromParentBodyNode(isometry(place))
+        node = body.createShapeNode(dart.dynamics.BoxShape([2 * _TABLE, 2 * _TABLE, _TABLE]), "table")
+        node.createCollisionAspect()
+        node.createDynamicsAspect().setFrictionCoeff(self.physics.friction)
+        skeleton.setMobile(False)
+        self.world.addSkeleton(skeleton)
+        return body
+
+    def _separate(self, table: dart.dynamics.BodyNode) -> None:
+        """Leave out the pairs that must not touch: parts and table, feet and everything but the table."""
+        pairs = self.world.getConstraintSolver().getCollisionOption().collisionFilter
+        grip = self.gripper.bodies if self.gripper else []
+        for body in grip:
+            pairs.addBodyNodePairToBlackList(table, body)
+        for item in self.objects:
+            pairs.addBodyNodePairToBlackList(table, item.body)
+            for other in (*grip, *(o.body for o in self.objects if o is not item)):
+                pairs.addBodyNodePairToBlackList(item.feet, other)
+            for other in self.objects:
+                if other is not item:
+                    pairs.addBodyNodePairToBlackList(item.feet, other.feet)
+
+    def rewind(self, poses: Sequence[NDArray[np.float64]]) -> None:
+        """Start afresh with the objects at rest at these poses (4×4), whatever happened before.
+
+        DART keeps traces of earlier steps that change later ones in the last bits and, rarely, a verdict. One step with
+        the gripper parked far away and a reset erase them: attempts are then the same in any order and any process.
+        """
+        if self.gripper is not None:
+            self.gripper.park()
+        for item, pose in zip(self.objects, poses, strict=True):
+            item.place(pose)
+        self.world.step()
+        self.world.reset()
+        for item, pose in zip(self.objects, poses, strict=True):
+            item.place(pose)
+
+    def step(self) -> None:
+        """Advance by one time step."""
+        self.world.step()
+
+    @property
+    def time(self) -> float:
+        """Seconds since the last rewind."""
+        return float(self.world.getTime())
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the solver lost it: not a number, or an object faster than anything that 20 N can do."""
+        for item in self.objects:
+            linear, angular = item.speed
+            if not (linear < 20.0 and angular < 500.0):
+                return True
+        return False
