@@ -1,0 +1,274 @@
+"""Any camera's view made canonical: what a camera straight above the table would see of the input's cloud.
+
+The canonical camera stands 0.70 m above the point where the input's optical axis meets the table, its image right along
+the input's. The way there has two steps. A camera at the input's own place that is turned straight down sees the same
+points without any parallax: that is a warp, and with its focal length chosen so that the table has the canonical scale,
+every table pixel is in its place already. Only what stands above the table still moves, and is splatted into a z-buffer
+point by point, so that nothing bridges the step between two surfaces. What no point reaches, the shadows of objects and
+the outside of the view, takes its background.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from grasp_core.camera import CANONICAL_HEIGHT, Camera, CameraIntrinsics, DepthImage, canonical_camera
+from grasp_core.errors import ImageError
+from grasp_core.sensing.rays import pixel_rays
+from grasp_core.sensing.table import find_table
+
+FOCAL = canonical_camera().intrinsics.fx
+"""Pixels."""
+_DENSITY = FOCAL / CANONICAL_HEIGHT
+"""Canvas pixels per metre of table."""
+_LEAST_SIZE = 300
+_MOST_SIZE = 1024
+"""Pixels of a canvas side; a wider view is cut around the optical axis."""
+_RAISED = 0.004
+"""Metres above the table from which on points are moved; below it they would move by less than a pixel."""
+_FLOOR = 0.02
+"""Metres below the table; what lies deeper, the floor beyond its edge, is raised to it."""
+_CEILING = 0.45
+"""Metres above the table; what is higher has no place on the canvas."""
+_SAME_SURFACE = 0.01
+"""Metres: depths farther apart are not interpolated or taken for one surface."""
+_STEEPEST = np.cos(np.radians(75))
+_SQUARE = np.ones((3, 3), np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class Rectified:
+    """A view made canonical.
+
+    Attributes:
+        image: the canvas: depth without holes, from a camera straight down (its pose is in the input's world).
+        seen: boolean (H, W), true where the input shows what the canvas holds.
+        camera: the input's camera with the pose that was used.
+        missing: share of the input's pixels that were invalid.
+        turn: how the input is warped to the turned camera; see `_Turn`.
+        moved: flat canvas indices (2, M): pixels of the turned view and where on the canvas they are shown.
+    """
+
+    image: DepthImage
+    seen: NDArray[np.bool_]
+    camera: Camera
+    missing: float
+    turn: _Turn
+    moved: NDArray[np.intp]
+
+    def carry(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """A mask of the input (H, W) → of the canvas; false where nothing was seen.
+
+        Raises:
+            ImageError: the mask is not boolean or has another size than the input.
+        """
+        k = self.camera.intrinsics
+        if mask.dtype != np.bool_ or mask.shape != (k.height, k.width):
+            raise ImageError(
+                f"the mask is {mask.dtype} of the shape {mask.shape}; it must be boolean and {(k.height, k.width)},"
+                " the shape of the image"
+            )
+        turned = self.turn.warp(np.ascontiguousarray(mask, np.float32), 0.0) > 0.5
+        carried = turned.copy().reshape(-1)
+        carried[self.moved[0]] = False
+        carried[self.moved[1]] = turned.reshape(-1)[self.moved[0]]
+        closed = cv2.morphologyEx(carried.reshape(turned.shape).view(np.uint8), cv2.MORPH_CLOSE, _SQUARE) > 0
+        return closed & self.seen
+
+
+@dataclass(frozen=True, eq=False)
+class _Turn:
+    """The warp from the input to a camera at the same place that looks straight down, in table-true scale.
+
+    Attributes:
+        intrinsics: the input's.
+        shape: (H, W) of the canvas.
+        input_from_turned: (3, 3), takes homogeneous pixels of the turned view to rays of the input.
+    """
+
+    intrinsics: CameraIntrinsics
+    shape: tuple[int, int]
+    input_from_turned: NDArray[np.float64]
+
+    def warp(self, values: NDArray[np.float32], outside: float, linear: bool = False) -> NDArray[np.float32]:
+        """Values (H, W) of the input → of the turned view, the nearest or interpolated ones."""
+        height, width = self.shape
+        flags = cv2.INTER_LINEAR if linear else cv2.INTER_NEAREST
+        k = self.intrinsics
+        if k.distortion is None:
+            homography = k.matrix @ self.input_from_turned
+            flags |= cv2.WARP_INVERSE_MAP
+            return np.asarray(
+                cv2.warpPerspective(values, homography, (width, height), flags=flags, borderValue=outside)
+            )
+        v, u = np.mgrid[:height, :width]
+        rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ self.input_from_turned.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            source = k.pixels(rays[:, :, :2] / rays[:, :, 2:]).astype(np.float32)
+        return np.asarray(cv2.remap(values, source[:, :, 0], source[:, :, 1], flags, borderValue=outside))
+
+
+def rectify(image: DepthImage) -> Rectified:
+    """Re-render a depth image into the canonical view; without a pose in its camera the table plane is found first.
+
+    Straight down from 0.70 m with the canonical focal length it changes nothing.
+
+    Raises:
+        ImageError: no table was found, the camera does not look down at it, or nothing near it was seen.
+    """
+    camera = image.camera if image.camera.world_from_camera is not None else find_table(image)
+    canvas = _canvas(camera)
+    turn, centre = _turn(camera, canvas)
+    height = _turned_heights(image, camera, turn)
+    seen = np.isfinite(height)
+    if not seen.any():
+        raise ImageError(
+            "the depth image shows nothing near the table under its camera; check world_from_camera in the camera file"
+        )
+    moved = _move_raised(height, camera.pose[2, 3], centre, canvas)
+    seen = np.isfinite(height)
+    seen = _close_gaps(height, seen)
+    np.maximum(height, np.float32(-_FLOOR), out=height)
+    _fill_background(height, seen)
+    depth = np.subtract(np.float32(CANONICAL_HEIGHT), height, out=height)
+    missing = 1 - float(np.count_nonzero(image.valid)) / image.valid.size
+    return Rectified(DepthImage(depth, canvas, np.ones_like(seen)), seen, camera, missing, turn, moved)
+
+
+def _canvas(camera: Camera) -> Camera:
+    """The canonical camera whose image holds all that the input can see of the table, within the bounds on its size."""
+    pose = camera.pose
+    right, ahead, centre = pose[:3, 0].copy(), pose[:3, 2], pose[:3, 3]
+    right[2] = 0
+    if ahead[2] > -_STEEPEST or centre[2] <= 0 or np.linalg.norm(right) < 1e-3:
+        raise ImageError(
+            "the camera does not look down at the table (z = 0) as its pose has it; check world_from_camera in its file"
+        )
+    right /= np.linalg.norm(right)
+    down = np.array([0.0, 0.0, -1.0])
+    above = np.eye(4)
+    above[:3, :3] = np.stack([right, np.cross(down, right), down], axis=1)
+    above[:3, 3] = centre - ahead * centre[2] / ahead[2]
+    above[2, 3] = CANONICAL_HEIGHT
+    rays = pixel_rays(camera.intrinsics)
+    rim = np.concatenate([rays[0], rays[-1], rays[:, 0], rays[:, -1]]) @ pose[:3, :3].T
+    rim /= np.maximum(-rim[:, 2:], 1e-3)  # a ray above the horizon ends far away, beyond the bounds
+    offsets = (rim * centre[2] + centre - above[:3, 3]) @ above[:3, :2] * _DENSITY
+    sides = []
+    for values, principal in zip(offsets.T, (camera.intrinsics.cx, camera.intrinsics.cy), strict=True):
+        low = max(float(np.nanmin(values)), -_MOST_SIZE / 2)
+        high = min(float(np.nanmax(values)), _MOST_SIZE / 2)
+        lacking = max(_LEAST_SIZE - 1 - (high - low), 0) / 2
+        fraction = principal % 1  # keeps pixels on pixels where the input is canonical already
+        first = float(np.ceil(lacking - low - fraction - 1e-2) + fraction)
+        sides.append((first, min(max(int(np.floor(high + lacking + first + 1e-2)) + 1, _LEAST_SIZE), _MOST_SIZE)))
+    (cx, width), (cy, rows) = sides
+    return Camera(CameraIntrinsics(FOCAL, FOCAL, cx, cy, width, rows), above)
+
+
+def _turn(camera: Camera, canvas: Camera) -> tuple[_Turn, NDArray[np.float64]]:
+    """The warp to the turned camera, and the pixel (2,) of the canvas that lies straight below the input's camera."""
+    k = canvas.intrinsics
+    centre = _DENSITY * (camera.pose[:3, 3] - canvas.pose[:3, 3]) @ canvas.pose[:3, :2] + [k.cx, k.cy]
+    focal = _DENSITY * camera.pose[2, 3]
+    turned_rays = np.array([[1 / focal, 0, -centre[0] / focal], [0, 1 / focal, -centre[1] / focal], [0, 0, 1]])
+    input_from_turned = camera.pose[:3, :3].T @ canvas.pose[:3, :3] @ turned_rays
+    return _Turn(camera.intrinsics, (k.height, k.width), input_from_turned), centre
+
+
+def _turned_heights(image: DepthImage, camera: Camera, turn: _Turn) -> NDArray[np.float32]:
+    """Heights above the table (H, W), metres, in the turned view; −inf where nothing usable was seen."""
+    rays = pixel_rays(camera.intrinsics)
+    row = camera.pose[2].astype(np.float32)
+    if camera.intrinsics.distortion is None:
+        climb = (rays[:1, :, 0] * row[0] + row[2]) + rays[:, :1, 1] * row[1]
+    else:
+        climb = rays @ row[:3]
+    height = climb * image.depth + row[3]
+    usable = image.valid & (height < _CEILING)
+    heights = np.where(usable, height, np.float32(-np.inf))
+    turned = turn.warp(heights, -np.inf)
+    distance = camera.pose[2, 3] / -camera.pose[2, 2]
+    if _DENSITY * distance / min(camera.intrinsics.fx, camera.intrinsics.fy) > 1.3:
+        far, near = cv2.erode(heights, _SQUARE), cv2.dilate(heights, _SQUARE)
+        with np.errstate(invalid="ignore"):
+            smooth = turn.warp((near - far < _SAME_SURFACE).astype(np.float32), 0.0) > 0
+        turned = np.where(smooth, turn.warp(np.where(usable, height, 0).astype(np.float32), -np.inf, True), turned)
+    return turned
+
+
+def _move_raised(
+    height: NDArray[np.float32], camera_height: float, centre: NDArray[np.float64], canvas: Camera
+) -> NDArray[np.intp]:
+    """Move what stands above the table to where the canonical camera sees it, in place.
+
+    Returns:
+        Flat indices (2, M) of the moved pixels that stay visible: from, to.
+    """
+    k = canvas.intrinsics
+    flat = height.reshape(-1)
+    start = np.flatnonzero(flat > _RAISED)
+    raised = flat[start]
+    flat[start] = -np.inf
+    rows, columns = np.divmod(start, k.width)
+    shrink = (
+        camera_height - raised
+    ) / camera_height  # offsets from the input's camera, at this height, over the table's
+    grow = CANONICAL_HEIGHT / (CANONICAL_HEIGHT - raised)
+    u = k.cx + grow * (centre[0] - k.cx + shrink * (columns - centre[0]))
+    v = k.cy + grow * (centre[1] - k.cy + shrink * (rows - centre[1]))
+    columns, rows = np.rint(u).astype(np.intp), np.rint(v).astype(np.intp)
+    inside = (columns >= 0) & (columns < k.width) & (rows >= 0) & (rows < k.height)
+    target = (rows * k.width + columns)[inside]
+    start, raised = start[inside], raised[inside]
+    np.maximum.at(flat, target, raised)
+    visible = flat[target] == raised
+    return np.stack([start[visible], target[visible]])
+
+
+def _close_gaps(height: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Fill gaps of a pixel or two between splatted points, in place, with the lowest beside them; what is seen then."""
+    closed = cv2.morphologyEx(seen.view(np.uint8), cv2.MORPH_CLOSE, _SQUARE) > 0
+    rows, columns = np.divmod(np.flatnonzero(closed & ~seen), seen.shape[1])
+    lowest = np.full(len(rows), np.inf, np.float32)
+    for beside in _around(rows, columns, seen.shape):
+        np.minimum(lowest, np.where(seen[beside], height[beside], np.inf), out=lowest)
+    reached = np.isfinite(lowest)
+    closed[rows, columns] = reached
+    height[rows[reached], columns[reached]] = lowest[reached]
+    return closed
+
+
+def _fill_background(height: NDArray[np.float32], seen: NDArray[np.bool_]) -> None:
+    """Give each unseen stretch one height, in place: the lowest on its rim, at least that of the table.
+
+    A shadow lies behind what throws it, and the outside of the view is taken as bare table.
+    """
+    if seen.all():
+        return
+    unseen = (~seen).view(np.uint8)
+    count, components = cv2.connectedComponents(unseen, connectivity=8, ltype=cv2.CV_32S)
+    labels: NDArray[np.int32] = np.asarray(components, np.int32)
+    rows, columns = np.divmod(np.flatnonzero((cv2.dilate(unseen, _SQUARE) > 0) & seen), seen.shape[1])
+    values = np.maximum(height[rows, columns], np.float32(0))
+    lowest = np.full(count, np.inf, np.float32)
+    for beside in _around(rows, columns, seen.shape):
+        np.minimum.at(lowest, labels[beside], values)
+    lowest[lowest < _SAME_SURFACE] = 0
+    np.copyto(height, lowest[labels], where=~seen)
+
+
+def _around(
+    rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, ...]
+) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """The eight neighbours of pixels, those outside of the image moved onto its border."""
+    return [
+        (np.clip(rows + down, 0, shape[0] - 1), np.clip(columns + right, 0, shape[1] - 1))
+        for down in (-1, 0, 1)
+        for right in (-1, 0, 1)
+        if down or right
+    ]
