@@ -17,7 +17,11 @@ class Command(Protocol):
         ...
 
 
-COMMANDS: dict[str, tuple[str, str, str]] = {}
+COMMANDS: dict[str, tuple[str, str, str]] = {
+    "generate": ("generate", "Generate", "make a dataset from a recipe"),
+    "dataset info": ("dataset", "Info", "what a dataset holds"),
+    "dataset verify": ("dataset", "Verify", "check every file, hash and label of a dataset"),
+}
 """Words of a command → (module in this package, class, what it does)."""
 
 

@@ -7,6 +7,8 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import msgspec
+
 from grasp_core.camera import DepthImage
 from grasp_core.dataset import files
 from grasp_core.dataset.grasps import GraspTables
@@ -127,6 +129,17 @@ class Content(GraspTables):
             StoredPose(tuple(pose_from_json(row["pose"]).reshape(-1).tolist()), row["probability"])
             for row in self.rows(query, (name,))
         ]
+
+    def refuse(self, name: str, reason: str) -> None:
+        """Remember that an object of the recipe cannot be used, and why."""
+        with self.transaction() as db:
+            text = msgspec.json.encode({**self.refused(), name: reason}, order="sorted").decode()
+            db.execute("INSERT OR REPLACE INTO meta (key, value) VALUES ('refused', ?)", (text,))
+
+    def refused(self) -> dict[str, str]:
+        """Objects of the recipe that cannot be used → why."""
+        row = self.row("SELECT value FROM meta WHERE key = 'refused'")
+        return {} if row is None else msgspec.json.decode(row["value"], type=dict[str, str])
 
     # scenes
 

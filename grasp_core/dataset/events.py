@@ -196,6 +196,25 @@ class LabelEvents(Content):
                 label = current_label(known, counts["SUCCESS"], sum(counts[name] for name in VERDICTS))
                 self._write_label(grasp, label, counts, len(known), known[-1].id)
 
+    def differing_labels(self) -> list[int]:
+        """Ids of grasps whose row in `samples` is not what attempts and label events say."""
+        counted = """SELECT attempts.grasp AS grasp, sum(outcome <> 'UNSTABLE') AS n, sum(outcome = 'SUCCESS') AS good
+            FROM attempts WHERE grasp NOT IN (SELECT grasp FROM label_events) GROUP BY grasp"""
+        found = self.rows(
+            f"""SELECT samples.grasp FROM samples JOIN ({counted}) AS c ON c.grasp = samples.grasp
+                WHERE (attempts, successes) IS NOT (n, good) OR label IS NOT CAST(good AS REAL) / nullif(n, 0)
+                    OR quality IS NOT CAST(good AS REAL) / nullif(n, 0)"""
+        )
+        differ = [int(row["grasp"]) for row in found]
+        labelled = "SELECT DISTINCT e.grasp, label, state, flagged FROM label_events AS e JOIN samples USING (grasp)"
+        for row in self.rows(labelled):
+            known = self.history(row["grasp"])
+            counts = self._pooled(row["grasp"], standing(known))
+            label = current_label(known, counts["SUCCESS"], sum(counts[name] for name in VERDICTS))
+            if (label.value, label.state, label.flagged) != (row["label"], row["state"], bool(row["flagged"])):
+                differ.append(int(row["grasp"]))
+        return sorted(differ)
+
     def history(self, grasp_id: int) -> list[LabelEvent]:
         """All label events of a sample, oldest first."""
         return self._events("WHERE e.grasp = ? ORDER BY e.id", (grasp_id,))

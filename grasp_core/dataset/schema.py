@@ -91,6 +91,7 @@ CREATE TABLE grasps (
     added INTEGER,                          -- Unix time, ms, of grasps added later
     UNIQUE (scene, number)
 ) STRICT;
+CREATE INDEX grasps_added ON grasps (origin, id) WHERE origin <> 'grid';
 
 CREATE TABLE label_events (
     id INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -187,6 +188,7 @@ CREATE INDEX samples_scene ON samples (scene, grasp);
 CREATE INDEX samples_object ON samples (object, grasp);
 CREATE INDEX samples_split ON samples (split, grasp);
 CREATE INDEX samples_quality ON samples (quality, grasp);
+CREATE INDEX samples_spread ON samples (quality * (1 - quality), grasp);
 CREATE INDEX samples_label ON samples (label, grasp);
 CREATE INDEX samples_slipped ON samples (slipped, grasp) WHERE slipped > 0;
 CREATE INDEX samples_successes ON samples (successes, grasp) WHERE successes > 0;

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any, Self
 
 import msgspec
+import platformdirs
 
 from grasp_core import config
-from grasp_core.dataset.curation import Curation
 from grasp_core.dataset.database import FILE
+from grasp_core.dataset.queries import Lists
 from grasp_core.dataset.rows import Meta
 from grasp_core.errors import MismatchError, StoreError
 from grasp_core.gripper import Gripper
@@ -29,7 +30,12 @@ def code_version() -> str:
         return "unknown"
 
 
-class DatasetStore(Curation):
+def datasets_folder() -> Path:
+    """Where datasets live unless another folder is given: in the user's data folder."""
+    return Path(platformdirs.user_data_dir("grasp-workbench")) / "datasets"
+
+
+class DatasetStore(Lists):
     """A dataset; make one with `create`, open one with `open`, close it or use it as a context manager."""
 
     @classmethod
