@@ -1,0 +1,179 @@
+"""Training the Regression Network: mean squared error against drawn grasp rectangles (paper section V.B)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn import functional
+
+from grasp_core import config
+from grasp_core.camera import DepthImage
+from grasp_core.errors import ConfigError
+from grasp_core.networks.inputs import regression_input
+from grasp_core.networks.regression import RegressionNetwork
+from grasp_core.training.augment import Augmentation, corrupt, move_image
+from grasp_core.training.loop import Batch, Fit, Schedule, fit, half_precision, pick_device
+from grasp_core.training.metrics import regression_hit
+from grasp_core.training.scenes import TrainingScene, Views
+from grasp_core.training.targets import Rectangle, draw_target
+
+
+class RegressionSettings(config.Settings):
+    """How the Regression Network is trained.
+
+    Attributes:
+        rectangle: how the paper's rectangle is read.
+        least: only labels greater than this are drawn.
+        schedule: how long and how fast.
+        augmentation: of whole images.
+        views: further renderings of each scene.
+    """
+
+    schedule: Schedule
+    rectangle: Rectangle = "third_along"
+    least: float = 0.6
+    augmentation: Augmentation = Augmentation()
+    views: Views = Views()
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.least < 1:
+            raise ValueError(f"least is a label in [0, 1), not {self.least}")
+
+
+def example(
+    scene: TrainingScene, settings: RegressionSettings, opening: float, rng: np.random.Generator
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Heights and target (H, W) of a scene, freshly corrupted, turned and moved with its grasps."""
+    clean = DepthImage(scene.depth, scene.camera, np.ones(scene.units.shape, np.bool_))
+    moved = move_image(scene, clean.depth, settings.augmentation, rng)
+    image = corrupt(DepthImage(moved.depth, scene.camera, clean.valid), settings.augmentation, rng)
+    target = draw_target(
+        image.depth.shape,  # type: ignore[arg-type]
+        moved.pixels,
+        moved.angles,
+        scene.openings(opening) * moved.scale,
+        scene.labels,
+        rectangle=settings.rectangle,
+        least=settings.least,
+    )
+    return regression_input(image.depth), target
+
+
+class RegressionTask:
+    """The Regression Network, its scenes and its loss; see `loop.Task`.
+
+    Args:
+        training: scenes to learn from.
+        validation: scenes of other objects.
+        settings: see `RegressionSettings`.
+        opening: of the gripper, metres.
+        device: where to compute.
+    """
+
+    name = "regression"
+    measure = "hit_smooth"
+
+    def __init__(
+        self,
+        training: Sequence[TrainingScene],
+        validation: Sequence[TrainingScene],
+        settings: RegressionSettings,
+        opening: float,
+        device: torch.device,
+    ) -> None:
+        if not any(len(scene.perfect) for scene in validation):
+            raise ConfigError("no validation scene has a grasp of quality 1; generate more data")
+        torch.manual_seed(settings.schedule.seed)
+        self.network = RegressionNetwork().to(device)
+        self.network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        self._training = training
+        self._validation = [scene for scene in validation if len(scene.perfect)]
+        self._settings = settings
+        self._opening = opening
+        self._device = device
+        self._half = half_precision(device)
+
+    def batches(self, rng: np.random.Generator) -> Iterator[tuple[float, Batch]]:
+        """Random scenes."""
+        order = rng.permutation(len(self._training))
+        count = max(1, round(len(order) / self._settings.schedule.batch))
+        for step, part in enumerate(np.array_split(order, count)):
+            pairs = [example(self._training[index], self._settings, self._opening, rng) for index in part]
+            if pairs:
+                yield (
+                    (step + 1) / count,
+                    tuple(torch.from_numpy(np.stack(arrays)[:, None]) for arrays in zip(*pairs, strict=True)),
+                )
+
+    def _maps(self, heights: Tensor) -> Tensor:
+        moved = heights.to(self._device, memory_format=torch.channels_last)
+        with torch.autocast(self._device.type, torch.bfloat16, enabled=self._half):
+            maps: Tensor = self.network(moved)
+        return maps.float()
+
+    def loss(self, batch: Batch) -> Tensor:
+        """Mean squared error."""
+        heights, target = batch
+        return functional.mse_loss(self._maps(heights), target.to(self._device))
+
+    def measures(self, scenes: Sequence[TrainingScene]) -> dict[str, float]:
+        """`hit`, the paper's measure, over scenes that have a grasp of quality 1, each seen with its own fixed noise;
+        `mse` against the target; and `hit_smooth`, the hit rate less the error, which tells equal hit rates apart."""
+        self.network.eval()
+        seeds = np.random.SeedSequence([self._settings.schedule.seed, 1]).spawn(len(scenes))
+        hits, errors = [], []
+        with torch.inference_mode():
+            for scene, seed in zip(scenes, seeds, strict=True):
+                heights, target = _unmoved(scene, self._settings, self._opening, np.random.default_rng(seed))
+                quality = self._maps(torch.from_numpy(heights)[None, None])[0, 0].cpu().numpy()
+                radius = scene.camera.intrinsics.fx * self._opening / 3 / float(scene.camera.pose[2, 3])
+                hits.append(regression_hit(quality, scene.perfect, radius))
+                errors.append(float(np.mean((quality - target) ** 2)))
+        hit, error = float(np.mean(hits)), float(np.mean(errors))
+        return {"hit": hit, "mse": error, "hit_smooth": hit - error}
+
+    def validate(self) -> dict[str, float]:
+        """The measures on validation objects."""
+        return self.measures(self._validation)
+
+
+def _unmoved(
+    scene: TrainingScene, settings: RegressionSettings, opening: float, rng: np.random.Generator
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Heights and target of a scene where it stands, with noise."""
+    clean = DepthImage(scene.depth, scene.camera, np.ones(scene.units.shape, np.bool_))
+    image = corrupt(clean, settings.augmentation, rng)
+    target = draw_target(
+        clean.depth.shape,  # type: ignore[arg-type]
+        scene.pixels,
+        scene.angles,
+        scene.openings(opening),
+        scene.labels,
+        rectangle=settings.rectangle,
+        least=settings.least,
+    )
+    return regression_input(image.depth), target
+
+
+def train_regression(
+    training: Sequence[TrainingScene],
+    validation: Sequence[TrainingScene],
+    settings: RegressionSettings,
+    opening: float,
+    folder: Path,
+    *,
+    about: str = "",
+    progress: bool = True,
+) -> tuple[RegressionTask, Fit]:
+    """Train the Regression Network in a run folder; the task holds the best epoch's network.
+
+    Raises:
+        ConfigError: see `loop.fit`; no scene with a grasp of quality 1 to validate on.
+    """
+    task = RegressionTask(training, validation, settings, opening, pick_device())
+    return task, fit(task, settings.schedule, folder, about=about, progress=progress)

@@ -1,0 +1,184 @@
+"""What the trainers read: canonical depth images with their labelled grasps, in memory.
+
+A stored scene has one clean depth image with its object in the middle. Labels do not change when the whole scene is
+turned and moved on the table, so each scene may be rendered again at other places, and from tilted cameras through the
+same rectification as in planning: what the networks meet in use, with true perspective and true occlusion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grasp_core import config
+from grasp_core.camera import CANONICAL_HEIGHT, Camera, CameraIntrinsics, DepthImage, canonical_camera, look_down
+from grasp_core.errors import MismatchError
+from grasp_core.networks.weights import View
+from grasp_core.planning.crops import grasp_pixels
+from grasp_core.scene import Scene
+from grasp_core.sensing.rectify import rectify
+from grasp_core.sensing.renderer import Renderer
+
+DEPTH_UNIT = 1e-4
+"""Metres per unit of the depth kept in memory, as in the store."""
+
+SIZE = canonical_camera().intrinsics.width
+"""Side of the training images, pixels."""
+
+
+class Views(config.Settings):
+    """Further views of each training scene.
+
+    Attributes:
+        count: renderings besides the stored one.
+        reach: the scene is moved by up to this much along x and y, metres.
+        tilted: share of these views that a tilted camera sees.
+        tilt: largest tilt, rad.
+    """
+
+    count: int = 0
+    reach: float = 0.08
+    tilted: float = 0.3
+    tilt: float = 0.35
+
+    def __post_init__(self) -> None:
+        if self.count < 0 or self.reach < 0 or not 0 <= self.tilted <= 1 or not 0 <= self.tilt < 1.2:
+            raise ValueError("views: count and reach are at least 0, tilted is a share, tilt lies in [0, 1.2) rad")
+
+
+@dataclass(frozen=True)
+class GraspLabels:
+    """Labelled grasps in the world.
+
+    Attributes:
+        positions: p (G, 3), metres.
+        angles: φ (G,), rad.
+        labels: (G,) in [0, 1]; NaN leaves the grasp out.
+        colliding: (G,) bool, every attempt collided.
+    """
+
+    positions: NDArray[np.float64]
+    angles: NDArray[np.float64]
+    labels: NDArray[np.float64]
+    colliding: NDArray[np.bool_]
+
+    def moved(self, transform: NDArray[np.float64]) -> GraspLabels:
+        """The grasps after the whole scene was moved by a 4×4 transform about the vertical."""
+        yaw = math.atan2(transform[1, 0], transform[0, 0])
+        positions = self.positions @ transform[:3, :3].T + transform[:3, 3]
+        return GraspLabels(positions, self.angles + yaw, self.labels, self.colliding)
+
+
+@dataclass(frozen=True)
+class TrainingScene:
+    """One canonical view of a scene and its labelled grasps.
+
+    Attributes:
+        name: of the scene.
+        object: its object's name; splits and tables go by it.
+        units: (H, W) uint16 canonical depth in `DEPTH_UNIT`, clean, without holes.
+        camera: of that image: straight down from the canonical height.
+        pixels: (G, 2) of the surface above p, as (u, v).
+        angles: (G,) closing axes in the image, rad, counter-clockwise as displayed.
+        depths: (G,) z-depth of p, metres.
+        labels: (G,) in [0, 1].
+        colliding: (G,) bool, every attempt collided.
+    """
+
+    name: str
+    object: str
+    units: NDArray[np.uint16]
+    camera: Camera
+    pixels: NDArray[np.float32]
+    angles: NDArray[np.float32]
+    depths: NDArray[np.float32]
+    labels: NDArray[np.float32]
+    colliding: NDArray[np.bool_]
+
+    @property
+    def depth(self) -> NDArray[np.float32]:
+        """(H, W) canonical depth, metres."""
+        return self.units.astype(np.float32) * np.float32(DEPTH_UNIT)
+
+    def openings(self, opening: float) -> NDArray[np.float32]:
+        """(G,) pixels that an opening in metres spans at each grasp."""
+        return np.asarray(self.camera.intrinsics.fx * opening / self.depths, np.float32)
+
+    @property
+    def perfect(self) -> NDArray[np.float32]:
+        """(K, 2) pixels of the grasps of quality 1."""
+        return self.pixels[self.labels >= 1.0]
+
+
+def training_scene(name: str, object_name: str, image: DepthImage, grasps: GraspLabels) -> TrainingScene:
+    """Find labelled grasps in their canonical depth image; those outside of it and those without label are left out.
+
+    Raises:
+        MismatchError: the image is no canonical view, or has holes.
+    """
+    pose, k, view = image.camera.pose, image.camera.intrinsics, View()
+    down = np.allclose(pose[:3, 2], [0, 0, -1], atol=1e-6) and abs(pose[2, 3] - view.height) < 1e-6
+    if not (down and k.fx == k.fy == view.focal and k.distortion is None and image.valid.all()):
+        raise MismatchError(
+            f"scene {name}: training reads canonical views without holes (straight down from {view.height} m, fx = fy ="
+            f" {view.focal}); generate the dataset with the canonical camera"
+        )
+    labelled = np.isfinite(grasps.labels)
+    u, v, angles, depths = grasp_pixels(image.depth, image.camera, grasps.positions[labelled], grasps.angles[labelled])
+    inside = (u >= 0) & (v >= 0) & (u <= k.width - 1) & (v <= k.height - 1)
+    return TrainingScene(
+        name=name,
+        object=object_name,
+        units=np.clip(np.rint(image.depth / DEPTH_UNIT), 0, np.iinfo(np.uint16).max).astype(np.uint16),
+        camera=image.camera,
+        pixels=np.stack([u, v], axis=-1)[inside].astype(np.float32),
+        angles=angles[inside].astype(np.float32),
+        depths=depths[inside].astype(np.float32),
+        labels=grasps.labels[labelled][inside].astype(np.float32),
+        colliding=grasps.colliding[labelled][inside],
+    )
+
+
+def more_views(
+    name: str, object_name: str, scene: Scene, grasps: GraspLabels, views: Views, rng: np.random.Generator
+) -> Iterator[TrainingScene]:
+    """Render a scene again, turned and moved at random, straight from above or by a tilted camera and rectified."""
+    renderer = Renderer(scene)
+    straight = canonical_camera()
+    for index in range(views.count):
+        move = _about_vertical(rng.uniform(-np.pi, np.pi))
+        move[:2, 3] = rng.uniform(-views.reach, views.reach, 2)
+        poses = [move @ placed.world_from_object for placed in scene.objects]
+        if rng.random() < views.tilted:
+            pose = _about_vertical(rng.uniform(-np.pi, np.pi)) @ look_down(
+                CANONICAL_HEIGHT, tilt=rng.uniform(0, views.tilt)
+            )
+            image = _middle(rectify(renderer.render(straight.at(pose), poses)).image)
+        else:
+            image = renderer.render(straight, poses)
+        yield training_scene(f"{name}/{index + 1}", object_name, image, grasps.moved(move))
+
+
+def _about_vertical(yaw: float) -> NDArray[np.float64]:
+    """4×4 rotation about the world's z axis."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    turn = np.eye(4)
+    turn[:2, :2] = [[c, -s], [s, c]]
+    return turn
+
+
+def _middle(canvas: DepthImage) -> DepthImage:
+    """The `SIZE` pixels square of a canvas around the world's origin, padded with bare table."""
+    k = canvas.camera.intrinsics
+    u, v, _ = canvas.camera.project([0.0, 0.0, 0.0])
+    left, top = round(float(u) - (SIZE - 1) / 2), round(float(v) - (SIZE - 1) / 2)
+    depth = np.full((SIZE, SIZE), canvas.camera.pose[2, 3], np.float32)
+    rows = slice(max(top, 0), min(top + SIZE, k.height))
+    columns = slice(max(left, 0), min(left + SIZE, k.width))
+    depth[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] = canvas.depth[rows, columns]
+    intrinsics = CameraIntrinsics(k.fx, k.fy, k.cx - left, k.cy - top, SIZE, SIZE)
+    return DepthImage(depth, Camera(intrinsics, canvas.camera.pose), np.ones(depth.shape, np.bool_))

@@ -1,0 +1,49 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import torch
+
+from grasp_core import config
+from grasp_core.errors import ConfigError
+from grasp_core.training.augment import Augmentation
+from grasp_core.training.loop import Schedule
+from grasp_core.training.regression import RegressionSettings, RegressionTask, example, train_regression
+from grasp_core.training.scenes import TrainingScene
+
+Toys = Callable[[int, int], list[TrainingScene]]
+SETTINGS = RegressionSettings(Schedule(epochs=3, batch=4, rate=4e-3, patience=5))
+
+
+@pytest.fixture(autouse=True)
+def one_thread() -> None:
+    torch.set_num_threads(1)
+
+
+def test_example_shows_heights_and_the_target_on_the_object(toys: Toys) -> None:
+    scene = toys(0, 1)[0]
+    calm = msgspec.structs.replace(SETTINGS, augmentation=Augmentation(clean=1.0, plane_height=0.0, plane_tilt=0.0))
+    heights, target = example(scene, calm, 0.1, np.random.default_rng(0))
+    assert heights.shape == target.shape == (300, 300)
+    assert target.max() == 1.0
+    assert heights[target > 0.9].mean() > 0.5 * heights.max()  # grasps lie on and across the bar
+    assert np.median(heights) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_learns_where_to_grasp(toys: Toys, tmp_path: Path) -> None:
+    task, result = train_regression(toys(0, 16), toys(500, 4), SETTINGS, 0.1, tmp_path, about="a", progress=False)
+    assert result.history[-1]["loss"] < result.history[0]["loss"]
+    assert result.metrics["hit"] >= 0.75
+    assert task.measures(toys(600, 2))["mse"] < 0.2
+    assert (tmp_path / "regression.csv").is_file()
+
+
+def test_needs_a_perfect_grasp_to_validate_on(toys: Toys) -> None:
+    with pytest.raises(ConfigError, match="quality 1"):
+        RegressionTask(toys(0, 1), [], SETTINGS, 0.1, torch.device("cpu"))
+
+
+def test_shipped_settings_decode() -> None:
+    assert config.load("training", "regression", RegressionSettings).least == 0.6
