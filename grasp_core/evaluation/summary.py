@@ -1,0 +1,136 @@
+"""The metrics of the success benchmark, computed from its log alone."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+import msgspec
+import numpy as np
+
+from grasp_core.evaluation.records import Log, PlanRecord, SceneRecord
+from grasp_core.evaluation.report import Rate, pool, table
+
+
+class PlannerSummary(msgspec.Struct, frozen=True):
+    """One planner's figures.
+
+    Attributes:
+        top1: executions of the best candidate on graspable scenes; an empty plan there counts as that many failures.
+        all: executions of every returned candidate on graspable scenes.
+        scenes: scenes that were planned on.
+        graspable: those in which the oracle knows a grasp.
+        ungraspable: the others.
+        empty: empty plans on graspable scenes.
+        abstained_on_ungraspable: empty plans on ungraspable scenes.
+        grasped_ungraspable: ungraspable scenes where the best candidate succeeded every time: the oracle's grid missed
+            a grasp there.
+        plan_median_ms: of the wall time of a plan; None without scenes.
+        candidates_median: returned candidates on graspable scenes.
+        outcomes: of the best candidates' executions on graspable scenes, by name.
+        redrawn: executions whose solver diverged, on all scenes; they count as failures.
+        objects: per object, top1 on graspable scenes.
+    """
+
+    top1: Rate
+    all: Rate
+    scenes: int
+    graspable: int
+    ungraspable: int
+    empty: int
+    abstained_on_ungraspable: int
+    grasped_ungraspable: int
+    plan_median_ms: float | None
+    candidates_median: float | None
+    outcomes: dict[str, int]
+    redrawn: int
+    objects: dict[str, Rate]
+
+
+def summarise(log: Log, attempts: int) -> dict[str, PlannerSummary]:
+    """Planner → its figures over the scenes of a log.
+
+    Args:
+        log: the raw outcomes.
+        attempts: executions a candidate, which an empty plan loses.
+    """
+    names = dict.fromkeys(planner for _, planner in log.plans)
+    return {
+        name: _planner(
+            [(log.scenes[scene], plan) for (scene, planner), plan in log.plans.items() if planner == name], attempts
+        )
+        for name in names
+    }
+
+
+def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> PlannerSummary:
+    good = [(scene, plan) for scene, plan in pairs if scene.graspable]
+    bad = [plan for scene, plan in pairs if not scene.graspable]
+    by_object: dict[str, list[PlanRecord]] = {}
+    for scene, plan in good:
+        by_object.setdefault(scene.spec.object, []).append(plan)
+    outcomes: Counter[str] = Counter()
+    for _, plan in good:
+        outcomes.update(plan.candidates[0].outcomes if plan.candidates else {"EMPTY": attempts})
+    times = [plan.plan_ms for _, plan in pairs]
+    return PlannerSummary(
+        top1=_top1((plan for _, plan in good), attempts),
+        all=pool(
+            [sum(candidate.successes for candidate in plan.candidates) for _, plan in good],
+            [sum(len(candidate.outcomes) for candidate in plan.candidates) for _, plan in good],
+        ),
+        scenes=len(pairs),
+        graspable=len(good),
+        ungraspable=len(bad),
+        empty=sum(not plan.candidates for _, plan in good),
+        abstained_on_ungraspable=sum(not plan.candidates for plan in bad),
+        grasped_ungraspable=sum(
+            bool(plan.candidates) and plan.candidates[0].successes == len(plan.candidates[0].outcomes) for plan in bad
+        ),
+        plan_median_ms=round(float(np.median(times)), 3) if times else None,
+        candidates_median=float(np.median([len(plan.candidates) for _, plan in good])) if good else None,
+        outcomes=dict(sorted(outcomes.items())),
+        redrawn=sum(bool(r) for _, plan in pairs for candidate in plan.candidates for r in candidate.redraws),
+        objects={name: _top1(plans, attempts) for name, plans in sorted(by_object.items())},
+    )
+
+
+def _top1(plans: Iterable[PlanRecord], attempts: int) -> Rate:
+    counts = [
+        (plan.candidates[0].successes, len(plan.candidates[0].outcomes)) if plan.candidates else (0, attempts)
+        for plan in plans
+    ]
+    return pool([s for s, _ in counts], [n for _, n in counts])
+
+
+def text(summaries: dict[str, PlannerSummary]) -> str:
+    """The figures for people: planners first, then the objects; intervals are the ones over scenes."""
+    if not summaries:
+        return "nothing was planned: no object came through"
+    rows = [
+        (
+            name,
+            s.top1.text,
+            s.all.text,
+            f"{s.graspable}/{s.scenes}",
+            s.empty,
+            f"{s.abstained_on_ungraspable}/{s.ungraspable}",
+            "-" if s.plan_median_ms is None else f"{s.plan_median_ms:.1f}",
+        )
+        for name, s in summaries.items()
+    ]
+    head = ("planner", "top-1", "all candidates", "graspable", "empty", "abstained", "plan ms")
+    objects = list(dict.fromkeys(name for s in summaries.values() for name in s.objects))
+    cells = [
+        (
+            name,
+            *(
+                f"{s.objects[name].successes}/{s.objects[name].attempts}" if name in s.objects else "-"
+                for s in summaries.values()
+            ),
+        )
+        for name in objects
+    ]
+    lines = [table(head, rows), "", table(("top-1 by object", *summaries), cells)]
+    lines += ["", *(f"{name}: {', '.join(f'{o} {n}' for o, n in s.outcomes.items())}" for name, s in summaries.items())]
+    return "\n".join(lines)
