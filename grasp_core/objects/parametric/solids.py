@@ -204,6 +204,7 @@ def ball(x: float, y: float | None = None, z: float | None = None) -> Solid:
     """An ellipsoid about the origin with half axes x, y, z (x where None)."""
     t = np.linspace(-np.pi / 2, np.pi / 2, 25)
     unit = lathe(np.c_[np.cos(t), np.sin(t)], 5)
+    unit = replace(unit, parts=tuple(part * 1.03 for part in unit.parts))  # keeps most of the volume of the ball
     return unit.scaled(x, x if y is None else y, x if z is None else z)
 
 
