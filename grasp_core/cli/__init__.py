@@ -21,6 +21,10 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "generate": ("generate", "Generate", "make a dataset from a recipe"),
     "dataset info": ("dataset", "Info", "what a dataset holds"),
     "dataset verify": ("dataset", "Verify", "check every file, hash and label of a dataset"),
+    "train regression": ("train", "Regression", "train the Regression Network on a dataset"),
+    "train refined": ("train", "Refined", "train the Refined Network on a dataset"),
+    "train all": ("train", "All", "train both networks and pack their weights"),
+    "train pack": ("train", "Pack", "pack trained networks into one weights file"),
 }
 """Words of a command → (module in this package, class, what it does)."""
 

@@ -31,7 +31,7 @@ _KEY = "grasp-workbench"
 _REQUIRED = {"regression.head.weight": 4, "refined.fc.weight": 2}
 
 
-class CropSpec(config.Settings, frozen=True):
+class CropSpec(config.Settings):
     """How a grasp candidate is cut out of the canonical depth.
 
     Attributes:
@@ -47,14 +47,14 @@ class CropSpec(config.Settings, frozen=True):
             raise ValueError(f"a crop needs at least 16 pixels and a context above 0, not {self.size}, {self.context}")
 
 
-class View(config.Settings, frozen=True):
+class View(config.Settings):
     """The view that the networks know: a camera straight down, `height` metres up, `focal` pixels."""
 
     height: float = CANONICAL_HEIGHT
     focal: float = canonical_camera().intrinsics.fx
 
 
-class Weights(config.Settings, frozen=True):
+class Weights(config.Settings):
     """What a weights file says about itself.
 
     Attributes:

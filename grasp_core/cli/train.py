@@ -1,0 +1,156 @@
+"""grasp-core train …: train a network on a dataset, and pack both into one weights file."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+
+
+@dataclass(frozen=True)
+class _Common:
+    dataset: Path
+    """Folder of the dataset."""
+    out: Path
+    """Run folder: checkpoints, log and the trained network; an interrupted run goes on where it stopped."""
+    epochs: int | None = None
+    """Passes over the training scenes, instead of the settings' number."""
+    seed: int | None = None
+    """Seed, instead of the settings'."""
+    threads: int | None = None
+    """CPU threads; all cores by default."""
+    json: bool = False
+    """Print the metrics as one JSON object."""
+
+
+@dataclass(frozen=True)
+class Regression(_Common):
+    """Train the Regression Network."""
+
+    settings: str = "regression"
+    """Shipped training settings or a .yaml file."""
+
+    def run(self) -> int:
+        """Train and report."""
+        _report(self.json, train_one("regression", self, self.settings))
+        return 0
+
+
+@dataclass(frozen=True)
+class Refined(_Common):
+    """Train the Refined Network."""
+
+    settings: str = "refined"
+    """Shipped training settings or a .yaml file."""
+
+    def run(self) -> int:
+        """Train and report."""
+        _report(self.json, train_one("refined", self, self.settings))
+        return 0
+
+
+@dataclass(frozen=True)
+class All(_Common):
+    """Train both networks and pack them as OUT/weights.safetensors."""
+
+    regression: str = "regression"
+    """Training settings of the Regression Network: shipped, or a .yaml file."""
+    refined: str = "refined"
+    """Training settings of the Refined Network: shipped, or a .yaml file."""
+    name: str = "weights"
+    """What the weights are called."""
+
+    def run(self) -> int:
+        """Train both and pack."""
+        from grasp_core.training.pack import pack
+
+        train_one("regression", self, self.regression)
+        train_one("refined", self, self.refined)
+        path = self.out / "weights.safetensors"
+        meta = pack(self.out, self.out, path, self.name)
+        _report(self.json, {"weights": str(path), **meta.metrics})
+        return 0
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Pack the networks of one or two run folders into a weights file."""
+
+    out: Path
+    """The file; its name ends in .safetensors."""
+    regression: Path
+    """Run folder of the Regression Network."""
+    refined: Path | None = None
+    """Run folder of the Refined Network; the same by default."""
+    name: str | None = None
+    """What the weights are called; the file's name by default."""
+
+    def run(self) -> int:
+        """Pack."""
+        from grasp_core.training.pack import pack
+
+        meta = pack(self.regression, self.refined or self.regression, self.out, self.name)
+        print(f"{self.out}: {meta.name}, {self.out.stat().st_size / 1e6:.2f} MB")
+        return 0
+
+
+def train_one(network: Literal["regression", "refined"], options: _Common, settings: str) -> dict[str, Any]:
+    """Train one network, keep it in the run folder, and give its metrics."""
+    import torch
+
+    from grasp_core import config
+    from grasp_core.training.corpus import load_corpus
+    from grasp_core.training.pack import Part, save_part
+    from grasp_core.training.refined import RefinedSettings, train_refined
+    from grasp_core.training.regression import RegressionSettings, train_regression
+
+    if options.threads is not None:
+        torch.set_num_threads(options.threads)
+    chosen: RegressionSettings | RefinedSettings
+    if network == "regression":
+        chosen = config.load("training", settings, RegressionSettings)
+    else:
+        chosen = config.load("training", settings, RefinedSettings)
+    changed = {name: getattr(options, name) for name in ("epochs", "seed") if getattr(options, name) is not None}
+    chosen = msgspec.structs.replace(chosen, schedule=msgspec.structs.replace(chosen.schedule, **changed))
+    seed = chosen.schedule.seed
+    progress = sys.stderr.isatty()
+    corpus = load_corpus(options.dataset, chosen.views, seed=seed, progress=progress)
+    about = f"{config.digest(chosen)} {corpus.digest}"
+    opening = corpus.gripper.opening
+    part = Part(
+        network=network,
+        gripper=corpus.gripper.name,
+        gripper_digest=corpus.gripper.digest,
+        physics=corpus.physics,
+        recipe={**corpus.recipe, "settings": settings, "seed": seed},
+    )
+    if isinstance(chosen, RefinedSettings):
+        task, fit = train_refined(
+            corpus.train, corpus.validation, chosen, opening, options.out, about=about, progress=progress
+        )
+        test = task.measures(task.cut(corpus.test)) if corpus.test else {}
+        part = msgspec.structs.replace(part, crop=chosen.crop, width=chosen.width)
+        network_module: torch.nn.Module = task.network
+    else:
+        map_task, fit = train_regression(
+            corpus.train, corpus.validation, chosen, opening, options.out, about=about, progress=progress
+        )
+        graspable = [scene for scene in corpus.test if len(scene.perfect)]
+        test = map_task.measures(graspable) if graspable else {}
+        network_module = map_task.network
+    metrics = {**fit.metrics, **{f"test_{key}": value for key, value in test.items()}}
+    part = msgspec.structs.replace(part, metrics={key: round(value, 5) for key, value in metrics.items()})
+    path = save_part(options.out, network_module, part)
+    return {"network": str(path), "epochs": len(fit.history), "stopped": fit.stopped, **part.metrics}
+
+
+def _report(as_json: bool, values: dict[str, Any]) -> None:
+    if as_json:
+        print(msgspec.json.encode(values).decode())
+        return
+    for key, value in values.items():
+        print(f"{key:<24} {value}")
