@@ -1,8 +1,8 @@
 """One object in the DART world.
 
 An object is one rigid body with two sets of collision shapes: its convex parts, which meet fingers and other objects,
-and small spheres ("feet") on the vertices of its convex hull, which alone meet the table. Parts against the table box
-would give at most four contacts and let objects sink; spheres against fingers would be bumps.
+and small spheres ("feet") on the vertices of its convex hull, which meet the table and other objects. Parts against the
+table box would give at most four contacts and let objects sink; spheres against fingers would be bumps.
 """
 
 from __future__ import annotations

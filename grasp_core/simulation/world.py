@@ -89,15 +89,18 @@ class World:
         return body
 
     def _separate(self, table: dart.dynamics.BodyNode) -> None:
-        """Leave out the pairs that must not touch: parts and table, feet and everything but the table."""
+        """Leave out the pairs that must not touch: parts and table, feet and gripper, feet and feet.
+
+        Feet do meet the parts of other objects: parts alone would let stacked objects sink through each other.
+        """
         pairs = self.world.getConstraintSolver().getCollisionOption().collisionFilter
         grip = self.gripper.bodies if self.gripper else []
         for body in grip:
             pairs.addBodyNodePairToBlackList(table, body)
         for item in self.objects:
             pairs.addBodyNodePairToBlackList(table, item.body)
-            for other in (*grip, *(o.body for o in self.objects if o is not item)):
-                pairs.addBodyNodePairToBlackList(item.feet, other)
+            for body in grip:
+                pairs.addBodyNodePairToBlackList(item.feet, body)
             for other in self.objects:
                 if other is not item:
                     pairs.addBodyNodePairToBlackList(item.feet, other.feet)
