@@ -12,9 +12,10 @@ import math
 import os
 import time
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import msgspec
 import numpy as np
@@ -26,6 +27,7 @@ from grasp_core import config
 from grasp_core.errors import ConfigError
 
 Batch = tuple[Tensor, ...]
+T = TypeVar("T")
 
 
 class Schedule(config.Settings):
@@ -171,6 +173,15 @@ def fit(task: Task, schedule: Schedule, folder: Path, *, about: str, progress: b
     task.network.eval()
     chosen = history[_best(history, task.measure)]
     return Fit({k: v for k, v in chosen.items() if k not in ("epoch", "seconds", "loss")}, history, stopped)
+
+
+def ahead(items: Iterator[T]) -> Iterator[T]:
+    """The same items in the same order, each made in the background while the one before is in use."""
+    with ThreadPoolExecutor(1) as background:
+        waiting: Future[T | None] = background.submit(next, items, None)
+        while (item := waiting.result()) is not None:
+            waiting = background.submit(next, items, None)
+            yield item
 
 
 def _epoch(task: Task, schedule: Schedule, optimizer: torch.optim.Optimizer, epoch: int) -> float:

@@ -8,10 +8,10 @@ a random part of them, weighted up by as much. Crops come from the same function
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import cv2
 import msgspec
 import numpy as np
 import torch
@@ -24,12 +24,15 @@ from grasp_core.camera import DepthImage
 from grasp_core.errors import ConfigError
 from grasp_core.networks.refined import RefinedNetwork
 from grasp_core.networks.weights import CropSpec
-from grasp_core.planning.crops import crops
+from grasp_core.planning.crops import crops, deepen
 from grasp_core.training.augment import Augmentation, corrupt, mirror_crops
 from grasp_core.training.calibration import fit_temperature, fold_temperature
-from grasp_core.training.loop import Batch, Fit, Schedule, fit, half_precision, pick_device
+from grasp_core.training.loop import Batch, Fit, Schedule, ahead, fit, half_precision, pick_device
 from grasp_core.training.metrics import classification
 from grasp_core.training.scenes import TrainingScene, Views
+
+_BARE_HEIGHT = 0.004
+"""Metres above the table up to which a pixel counts as bare: half the height of the finger tips."""
 
 
 class RefinedSettings(config.Settings):
@@ -39,6 +42,7 @@ class RefinedSettings(config.Settings):
         width: channels of the first stage; 64 is ResNet18.
         crop: size and context of the crops.
         colliding: share of the always-colliding grasps that an epoch uses.
+        bare: grasps on bare table added to every image of an epoch; they close on nothing, so their label is 0.
         pool: scenes whose crops are mixed into batches together.
         schedule: how long and how fast.
         augmentation: of scenes and crops.
@@ -49,13 +53,14 @@ class RefinedSettings(config.Settings):
     width: int = 16
     crop: CropSpec = CropSpec()
     colliding: float = 0.3
+    bare: int = 8
     pool: int = 48
     augmentation: Augmentation = Augmentation()
     views: Views = Views()
 
     def __post_init__(self) -> None:
-        if self.width < 1 or self.pool < 1 or not 0 < self.colliding <= 1:
-            raise ValueError("width and pool are at least 1, colliding is a share above 0")
+        if self.width < 1 or self.pool < 1 or self.bare < 0 or not 0 < self.colliding <= 1:
+            raise ValueError("width and pool are at least 1, bare at least 0, colliding is a share above 0")
 
 
 @dataclass(frozen=True)
@@ -95,6 +100,8 @@ def scene_samples(
         index: of the scene, returned with every sample.
     """
     augmentation = settings.augmentation
+    if training and settings.bare:
+        scene = with_bare_grasps(scene, settings.bare, opening, rng)
     kept = np.arange(len(scene.labels))
     weights = np.ones(len(kept), np.float32)
     if training:
@@ -112,6 +119,29 @@ def scene_samples(
     if training and augmentation.mirror:
         cut = mirror_crops(cut, rng)
     return Samples(cut, scene.labels[kept], weights[kept], np.full(len(kept), index))
+
+
+def with_bare_grasps(scene: TrainingScene, count: int, opening: float, rng: np.random.Generator) -> TrainingScene:
+    """Add up to `count` grasps of label 0 where the whole gripper meets nothing but table.
+
+    A grid covers its object's rectangle only, while planning may sample anywhere.
+    """
+    depth, height = scene.depth, scene.camera.pose[2, 3]
+    table = (depth > height - _BARE_HEIGHT).astype(np.uint8)
+    away = cv2.distanceTransform(table, cv2.DIST_L2, 3)
+    v, u = np.nonzero(away > opening * scene.camera.intrinsics.fx / height)
+    chosen = rng.integers(0, len(u), min(count, len(u))) if len(u) else np.zeros(0, np.intp)
+    pixels = np.stack([u[chosen], v[chosen]], axis=-1).astype(np.float32)
+    depths = deepen(depth[v[chosen], u[chosen]], scene.camera).astype(np.float32)
+    nothing = np.zeros(len(chosen), np.float32)
+    return replace(
+        scene,
+        pixels=np.concatenate([scene.pixels, pixels]),
+        angles=np.concatenate([scene.angles, rng.uniform(-np.pi / 2, np.pi / 2, len(chosen)).astype(np.float32)]),
+        depths=np.concatenate([scene.depths, depths]),
+        labels=np.concatenate([scene.labels, nothing]),
+        colliding=np.concatenate([scene.colliding, nothing > 0]),
+    )
 
 
 def gather(parts: Sequence[Samples]) -> Samples:
@@ -180,23 +210,14 @@ class RefinedTask:
         """Pools of scenes, cut in the background while the network learns from the pool before."""
         order = rng.permutation(len(self._training))
         pools = [order[start : start + self._settings.pool] for start in range(0, len(order), self._settings.pool)]
-        with ThreadPoolExecutor(1) as background:
-            jobs = iter(list(zip(pools, rng.spawn(len(pools)), strict=True)))
-            first = next(jobs, None)
-            waiting = background.submit(self._pool, *first) if first else None
-            done = 0
-            while waiting is not None:
-                samples = waiting.result()
-                following = next(jobs, None)
-                waiting = background.submit(self._pool, *following) if following else None
-                count = max(1, round(len(samples.labels) / self._settings.schedule.batch))
-                for step, part in enumerate(np.array_split(np.arange(len(samples.labels)), count)):
-                    if len(part) < 2:  # normalisation needs two
-                        continue
-                    arrays = samples.crops[part, None], samples.labels[part], samples.weights[part]
-                    batch = tuple(torch.from_numpy(array).to(self._device) for array in arrays)
-                    yield (done + (step + 1) / count) / len(pools), batch
-                done += 1
+        for index, samples in enumerate(ahead(self._pool(pool, rng) for pool in pools)):
+            count = max(1, round(len(samples.labels) / self._settings.schedule.batch))
+            for step, part in enumerate(np.array_split(np.arange(len(samples.labels)), count)):
+                if len(part) < 2:  # normalisation needs two
+                    continue
+                arrays = samples.crops[part, None], samples.labels[part], samples.weights[part]
+                batch = tuple(torch.from_numpy(array).to(self._device) for array in arrays)
+                yield (index + (step + 1) / count) / len(pools), batch
 
     def _logits(self, x: Tensor) -> Tensor:
         moved = x.to(self._device, memory_format=torch.channels_last)

@@ -17,7 +17,7 @@ from grasp_core.errors import ConfigError
 from grasp_core.networks.inputs import regression_input
 from grasp_core.networks.regression import RegressionNetwork
 from grasp_core.training.augment import Augmentation, corrupt, move_image
-from grasp_core.training.loop import Batch, Fit, Schedule, fit, half_precision, pick_device
+from grasp_core.training.loop import Batch, Fit, Schedule, ahead, fit, half_precision, pick_device
 from grasp_core.training.metrics import regression_hit
 from grasp_core.training.scenes import TrainingScene, Views
 from grasp_core.training.targets import Rectangle, draw_target
@@ -99,16 +99,17 @@ class RegressionTask:
         self._half = half_precision(device)
 
     def batches(self, rng: np.random.Generator) -> Iterator[tuple[float, Batch]]:
-        """Random scenes."""
+        """Scenes in random order, drawn in the background."""
+        return ahead(self._draw(rng))
+
+    def _draw(self, rng: np.random.Generator) -> Iterator[tuple[float, Batch]]:
         order = rng.permutation(len(self._training))
         count = max(1, round(len(order) / self._settings.schedule.batch))
         for step, part in enumerate(np.array_split(order, count)):
             pairs = [example(self._training[index], self._settings, self._opening, rng) for index in part]
             if pairs:
-                yield (
-                    (step + 1) / count,
-                    tuple(torch.from_numpy(np.stack(arrays)[:, None]) for arrays in zip(*pairs, strict=True)),
-                )
+                arrays = (np.stack(images)[:, None] for images in zip(*pairs, strict=True))
+                yield (step + 1) / count, tuple(map(torch.from_numpy, arrays))
 
     def _maps(self, heights: Tensor) -> Tensor:
         moved = heights.to(self._device, memory_format=torch.channels_last)

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from grasp_core.errors import ConfigError
-from grasp_core.training.loop import Batch, Schedule, fit, half_precision, pick_device, read_run
+from grasp_core.training.loop import Batch, Schedule, ahead, fit, half_precision, pick_device, read_run
 
 
 class Line:
@@ -127,3 +127,17 @@ def test_schedule_refuses_nonsense() -> None:
         Schedule(epochs=0, batch=1, rate=1.0)
     with pytest.raises(ValueError, match="rate"):
         Schedule(epochs=1, batch=1, rate=0.0)
+
+
+def test_working_ahead_keeps_items_order_and_errors() -> None:
+    assert list(ahead(iter([3, 1, 2]))) == [3, 1, 2]
+    assert list(ahead(iter(()))) == []
+
+    def failing() -> Iterator[int]:
+        yield 1
+        raise ValueError("no more")
+
+    items = ahead(failing())
+    assert next(items) == 1
+    with pytest.raises(ValueError, match="no more"):
+        next(items)

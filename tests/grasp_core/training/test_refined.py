@@ -17,12 +17,13 @@ from grasp_core.training.refined import (
     scores,
     soft_cross_entropy,
     train_refined,
+    with_bare_grasps,
 )
 from grasp_core.training.scenes import TrainingScene
 
 Toys = Callable[[int, int], list[TrainingScene]]
 SETTINGS = RefinedSettings(
-    Schedule(epochs=4, batch=64, rate=4e-3, patience=4), width=4, crop=CropSpec(size=32), pool=8, colliding=0.5
+    Schedule(epochs=4, batch=64, rate=4e-3, patience=4), width=4, crop=CropSpec(size=32), pool=8, colliding=0.5, bare=0
 )
 
 
@@ -58,6 +59,23 @@ def test_thinning_keeps_the_weight_of_colliding_grasps(toys: Toys) -> None:
     assert sizes.mean() == pytest.approx((~scene.colliding).sum() + 0.5 * scene.colliding.sum(), rel=0.05)
     assert total == pytest.approx(len(scene.labels), rel=0.05)
     assert all(part.crops.shape[1:] == (32, 32) for part in kept)
+
+
+def test_bare_grasps_stand_on_bare_table(toys: Toys) -> None:
+    scene = toys(2, 1)[0]
+    more = with_bare_grasps(scene, 30, 0.1, np.random.default_rng(0))
+    added = slice(len(scene.labels), None)
+    assert len(more.labels[added]) == 30
+    assert not more.labels[added].any()
+    assert not more.colliding[added].any()
+    objects = np.argwhere(scene.depth < 0.69)[:, ::-1]
+    for pixel in more.pixels[added]:
+        assert np.hypot(*(objects - pixel).T).min() > 65  # less than an opening away nothing stands
+    np.testing.assert_allclose(more.depths[added], 0.70 - 0.008, atol=1e-4)
+    np.testing.assert_array_equal(more.labels[: len(scene.labels)], scene.labels)
+    full = toys(2, 1)[0]
+    full.units[:] = 6500  # no table in sight
+    assert len(with_bare_grasps(full, 5, 0.1, np.random.default_rng(0)).labels) == len(full.labels)
 
 
 def test_evaluation_uses_every_grasp_and_repeats(toys: Toys) -> None:
