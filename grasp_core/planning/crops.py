@@ -82,12 +82,12 @@ def grasp_depth_at(
 
 
 def grasp_positions(
-    depth: NDArray[np.float32], camera: Camera, u: ArrayLike, v: ArrayLike, rule: DepthRule = PAPER_RULE
+    surface: NDArray[np.float32], camera: Camera, u: ArrayLike, v: ArrayLike, rule: DepthRule = PAPER_RULE
 ) -> NDArray[np.float64]:
-    """World positions p (N, 3), metres, of grasps at canvas pixels (u, v), each (N,)."""
-    surface = sample(surface_map(depth), u, v)
-    positions = camera.deproject(np.stack(np.broadcast_arrays(u, v), axis=-1), surface)
-    positions[..., 2] = camera.pose[2, 3] - deepen(surface, camera, rule)
+    """World positions p (N, 3), metres, of grasps at canvas pixels (u, v), each (N,); `surface` is a `surface_map`."""
+    top = sample(surface, u, v)
+    positions = camera.deproject(np.stack(np.broadcast_arrays(u, v), axis=-1), top)
+    positions[..., 2] = camera.pose[2, 3] - deepen(top, camera, rule)
     return positions
 
 

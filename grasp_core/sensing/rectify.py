@@ -11,6 +11,7 @@ the outside of the view, takes its background.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -59,6 +60,13 @@ class Rectified:
     missing: float
     turn: _Turn
     moved: NDArray[np.intp]
+
+    @cached_property
+    def rim(self) -> NDArray[np.bool_]:
+        """Boolean (H, W) of the turned view: what lies within 3 pixels of the border of the input, or outside."""
+        k = self.camera.intrinsics
+        inside = self.turn.warp(np.ones((k.height, k.width), np.float32), 0.0).astype(np.uint8)
+        return cv2.erode(inside, _SQUARE, iterations=3, borderType=cv2.BORDER_CONSTANT, borderValue=0) == 0
 
     def carry(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """A mask of the input (H, W) → of the canvas; false where nothing was seen.

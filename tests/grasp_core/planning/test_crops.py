@@ -131,7 +131,7 @@ def test_a_stray_pixel_is_no_surface_but_a_thin_rim_is():
 def test_the_offset_is_applied_along_world_z_under_the_surface_point():
     canvas = np.full((300, 300), 0.60, np.float32)
     u, v = np.array([10.0, 290.0]), np.array([20.0, 150.0])
-    positions = grasp_positions(canvas, CAMERA, u, v)
+    positions = grasp_positions(surface_map(canvas), CAMERA, u, v)
     assert np.allclose(positions[:, 0], (u - 149.5) * 0.60 / 525)
     assert np.allclose(positions[:, 1], -(v - 149.5) * 0.60 / 525)
     assert np.allclose(positions[:, 2], 0.10 - 0.03)
@@ -152,7 +152,7 @@ def test_pixels_and_world_positions_round_trip(yaw, height, grasps):
     assert math.isclose(math.cos(canvas_yaw(camera) - yaw), 1, abs_tol=1e-9)
     canvas = np.full((300, 300), 0.70 - height, np.float32)
     u, v, angle = map(np.array, zip(*grasps, strict=True))
-    positions = grasp_positions(canvas, camera, u, v)
+    positions = grasp_positions(surface_map(canvas), camera, u, v)
     back = grasp_pixels(canvas, camera, positions, angle + canvas_yaw(camera))
     depth = grasp_depth_at(canvas, camera, u, v)
     assert np.allclose(back, [u, v, angle, depth], atol=1e-4)

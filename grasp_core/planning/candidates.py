@@ -1,0 +1,205 @@
+"""Candidates of a grasp: the region (Eq. 6), pixels and angles in it, what the gripper can reach, and diversity.
+
+A `Batch` holds many candidates as arrays; everything here works on all of them at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grasp_core.camera import Camera
+from grasp_core.grasp import Grasp, ImageGrasp
+from grasp_core.gripper import Gripper
+from grasp_core.planning.crops import canvas_yaw, deepen, grasp_positions, sample
+from grasp_core.planning.planner import Candidate
+from grasp_core.planning.view import TableView
+
+_REACH = 0.003
+"""Metres: a surface counts as in the way from this far above the finger tips on; less is noise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Candidates on the window of a view, one a row.
+
+    Attributes:
+        u: column (N,) of the surface point, window pixels.
+        v: row (N,).
+        angle: of the closing axis on the canvas, rad (N,).
+        depth: z-depth of p from the canonical camera, metres (N,).
+        position: p in the world, metres (N, 3).
+    """
+
+    u: NDArray[np.float64]
+    v: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    position: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.u)
+
+    def __getitem__(self, which: NDArray | slice) -> Batch:
+        return Batch(self.u[which], self.v[which], self.angle[which], self.depth[which], self.position[which])
+
+    @classmethod
+    def join(cls, batches: Sequence[Batch]) -> Batch:
+        """All candidates of several batches, in order."""
+        return cls(*(np.concatenate(parts) for parts in zip(*(vars(b).values() for b in batches), strict=True)))
+
+
+def make_batch(view: TableView, u: ArrayLike, v: ArrayLike, angle: ArrayLike) -> Batch:
+    """Candidates at window pixels (u, v) with angles on the canvas, each (N,); depths follow from the rule."""
+    u, v, angle = (np.asarray(array, float) for array in (u, v, angle))
+    rule = view.settings.depth_rule
+    depth = deepen(sample(view.surface, u, v), view.camera, rule)
+    return Batch(u, v, angle, depth, grasp_positions(view.surface, view.camera, u, v, rule))
+
+
+def best_region(
+    heat: NDArray[np.float32], places: NDArray[np.bool_], radius: float
+) -> tuple[int, int, NDArray[np.bool_]] | None:
+    """The region of Eq. 6: the place of the highest heat, and all places within `radius` pixels of it.
+
+    Returns:
+        (u, v, boolean (H, W) of the region's places), or None when there is no place.
+    """
+    if not places.any():
+        return None
+    best = int(np.argmax(np.where(places, heat, -np.inf)))
+    v, u = divmod(best, heat.shape[1])
+    reach = int(np.ceil(radius))
+    rows = slice(max(v - reach, 0), v + reach + 1)
+    columns = slice(max(u - reach, 0), u + reach + 1)
+    y, x = np.ogrid[rows.start : min(rows.stop, heat.shape[0]), columns.start : min(columns.stop, heat.shape[1])]
+    region = np.zeros_like(places)
+    region[rows, columns] = places[rows, columns] & ((x - u) ** 2 + (y - v) ** 2 <= radius**2)
+    return u, v, region
+
+
+def sample_pixels(
+    heat: NDArray[np.float32], region: NDArray[np.bool_], count: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """At most `count` different pixels of a region, drawn in proportion to their heat.
+
+    Returns:
+        u and v, each (K,), in the order in which they were drawn.
+    """
+    inside = np.flatnonzero(region)
+    weight = np.maximum(heat.reshape(-1)[inside].astype(float), 0)
+    weight += 0.05 * max(float(weight.max(initial=0)), 1e-6)  # cold pixels are sampled too, less often
+    # the largest of log w + Gumbel noise are a draw without replacement in proportion to w
+    keys = np.log(weight) + rng.gumbel(size=len(inside))
+    chosen = inside[np.argsort(-keys)[:count]]
+    v, u = np.divmod(chosen, region.shape[1])
+    return u.astype(float), v.astype(float)
+
+
+def spread_angles(pixels: int, angles: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Angles (pixels, angles) in [−π/2, π/2): evenly spread for each pixel, from a phase and in an order of its own."""
+    step = np.pi / angles
+    order = rng.permuted(np.tile(np.arange(angles), (pixels, 1)), axis=1)
+    return (order + rng.random((pixels, 1))) * step - np.pi / 2
+
+
+def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.bool_]:
+    """Boolean (N,): whether the open gripper comes straight down to p without meeting the surface that was seen.
+
+    Both fingers and the rod are compared with the depth image under their footprints.
+    """
+    half = gripper.opening / 2
+    inner, outer = half, half + gripper.finger.x
+    along = np.linspace(inner, outer, 3)
+    across = np.linspace(-gripper.finger.y / 2, gripper.finger.y / 2, 5)
+    fingers = np.stack(np.meshgrid(np.concatenate([-along, along]), across), axis=-1).reshape(-1, 2)
+    bar = np.linspace(-gripper.rod.x / 2, gripper.rod.x / 2, 13)
+    rod = np.stack(np.meshgrid(bar, np.linspace(-gripper.rod.y / 2, gripper.rod.y / 2, 3)), axis=-1).reshape(-1, 2)
+    tips_free = _nearest(batch, view, fingers, 0.0) > batch.depth - _REACH
+    return tips_free & (_nearest(batch, view, rod, gripper.finger.z) > batch.depth - gripper.finger.z)
+
+
+def _nearest(batch: Batch, view: TableView, footprint: NDArray[np.float64], above: float) -> NDArray[np.float32]:
+    """Smallest z-depth (N,) that is seen under footprint points (P, 2) (along and across the closing axis, metres).
+
+    The points are looked up where they project at `above` metres over p.
+    """
+    k, height = view.camera.intrinsics, view.camera.pose[2, 3]
+    focal = k.fx / (batch.depth - above)
+    yaw = canvas_yaw(view.camera)
+    offset = batch.position[:, :2] - view.camera.pose[:2, 3]
+    right = np.cos(yaw) * offset[:, 0] + np.sin(yaw) * offset[:, 1]
+    down = np.sin(yaw) * offset[:, 0] - np.cos(yaw) * offset[:, 1]
+    cos, sin = np.cos(batch.angle)[:, None], np.sin(batch.angle)[:, None]
+    u = k.cx + focal[:, None] * (right[:, None] + cos * footprint[:, 0] + sin * footprint[:, 1])
+    v = k.cy + focal[:, None] * (down[:, None] - sin * footprint[:, 0] + cos * footprint[:, 1])
+    columns, rows = np.rint(u).astype(np.int32), np.rint(v).astype(np.int32)
+    inside = (columns >= 0) & (columns < k.width) & (rows >= 0) & (rows < k.height)
+    index = np.where(inside, rows * k.width + columns, 0)
+    return np.asarray(np.where(inside, view.smooth.reshape(-1)[index], height).min(axis=1))
+
+
+def distinct(
+    batch: Batch, order: NDArray[np.intp], least_distance: float, least_angle: float, most: int
+) -> NDArray[np.intp]:
+    """The first `most` of `order` that are far enough, in p or in φ, from all chosen before.
+
+    Args:
+        batch: the candidates.
+        order: indices, best first.
+        least_distance: metres between two p.
+        least_angle: rad between two closing axes.
+        most: how many.
+    """
+    chosen: list[int] = []
+    left = order
+    while len(left) and len(chosen) < most:
+        best, left = int(left[0]), left[1:]
+        chosen.append(best)
+        near = np.linalg.norm(batch.position[left] - batch.position[best], axis=1) < least_distance
+        turned = np.abs((batch.angle[left] - batch.angle[best] + np.pi / 2) % np.pi - np.pi / 2)
+        left = left[~(near & (turned < least_angle))]
+    return np.array(chosen, np.intp)
+
+
+def to_candidates(
+    batch: Batch, scores: NDArray, heats: NDArray, view: TableView, gripper: Gripper
+) -> tuple[Candidate, ...]:
+    """The candidates as grasps of the world and of the input image, in the order of the batch."""
+    camera = view.rectified.camera
+    angles = batch.angle + canvas_yaw(view.camera)
+    grasps = [
+        Grasp((x, y, z), angle, gripper.opening)
+        for (x, y, z), angle in zip(batch.position.tolist(), angles.tolist(), strict=True)
+    ]
+    images = image_grasps(batch.position, angles, gripper.opening, camera)
+    return tuple(
+        Candidate(grasp, seen, score, heat)
+        for grasp, seen, score, heat in zip(grasps, images, scores.tolist(), heats.tolist(), strict=True)
+    )
+
+
+def image_grasps(positions: NDArray, angles: NDArray, width: float, camera: Camera) -> list[ImageGrasp]:
+    """`grasp_core.grasp.to_image` for many grasps (p (N, 3), φ (N,)) of one width at once."""
+    if not len(positions):
+        return []
+    projected = camera.project(positions)
+    world_to_camera = camera.camera_from_world[:3, :3]
+    x, y, z = (positions @ world_to_camera.T + camera.camera_from_world[:3, 3]).T
+    moved = world_to_camera[:, 0] * np.cos(angles)[:, None] + world_to_camera[:, 1] * np.sin(angles)[:, None]
+    du = camera.intrinsics.fx * (moved[:, 0] - moved[:, 2] * x / z) / z
+    dv = camera.intrinsics.fy * (moved[:, 1] - moved[:, 2] * y / z) / z
+    return [
+        ImageGrasp(*row)
+        for row in zip(
+            projected[:, 0].tolist(),
+            projected[:, 1].tolist(),
+            np.arctan2(-dv, du).tolist(),
+            (np.hypot(du, dv) * width).tolist(),
+            projected[:, 2].tolist(),
+            strict=True,
+        )
+    ]

@@ -1,0 +1,176 @@
+"""What every image-based planner starts from: the canonical view, and the places in it where a grasp may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from grasp_core import config
+from grasp_core.camera import CANONICAL_HEIGHT, Camera, DepthImage
+from grasp_core.planning.crops import DepthRule
+from grasp_core.sensing.rectify import Rectified, rectify
+
+_MARGIN = 96
+"""Pixels around the places in the window: what a crop there can reach."""
+_LEAST_WINDOW = 300
+"""Pixels: the training size."""
+_STEP = 32
+"""Pixels: windows grow in steps, so that a network meets few sizes."""
+_RIM = 3
+"""Pixels: what comes this near to the border of the canvas is cut off."""
+_STEP_DEPTH = 0.012
+"""Metres between neighbours that end a surface."""
+_PIECE_AREA = 1500
+"""Canvas pixels, 27 cm²."""
+_PIECE_REACH = np.ones((25, 25), np.uint8)
+"""Neighbourhood, pixels: 1.6 cm to each side."""
+_SQUARE = np.ones((3, 3), np.uint8)
+
+
+class ViewSettings(config.Settings):
+    """What counts as a thing that may be grasped.
+
+    Attributes:
+        least_height: above the table, metres; fingers end 8 mm above it.
+        least_area: of a connected raised area, canvas pixels (1.8 mm² each); smaller ones are noise.
+        depth_rule: how deep grasps reach.
+    """
+
+    least_height: float = 0.01
+    least_area: int = 40
+    depth_rule: DepthRule = DepthRule()
+
+    def __post_init__(self) -> None:
+        if self.least_height <= 0 or self.least_area < 0:
+            raise ValueError(
+                f"least_height must be above 0 and least_area at least 0, not {self.least_height}, {self.least_area}"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class TableView:
+    """The canonical view, and a window of it that holds all places where a grasp may be.
+
+    Attributes:
+        rectified: the whole canvas.
+        settings: what it was made with.
+        rows: of the window on the canvas.
+        columns: of the window.
+        places: boolean (h, w) of the window: where grasps may be centred.
+        camera: straight down, of the window.
+    """
+
+    rectified: Rectified
+    settings: ViewSettings
+    rows: slice
+    columns: slice
+    places: NDArray[np.bool_]
+    camera: Camera
+
+    @property
+    def depth(self) -> NDArray[np.float32]:
+        """The window's depth (h, w), metres, without holes."""
+        return self.rectified.image.depth[self.rows, self.columns]
+
+    @cached_property
+    def smooth(self) -> NDArray[np.float32]:
+        """The same without stray pixels: its 3×3 median."""
+        return np.asarray(cv2.medianBlur(np.ascontiguousarray(self.depth), 3))
+
+    @cached_property
+    def surface(self) -> NDArray[np.float32]:
+        """The window's `surface_map`: depths that grasps take theirs from."""
+        return np.asarray(cv2.erode(self.smooth, _SQUARE))
+
+
+def look(
+    image: DepthImage, mask: NDArray[np.bool_] | None, settings: ViewSettings
+) -> tuple[Rectified, TableView | str]:
+    """The canonical view of an image with the places to grasp, or the reason why there are none.
+
+    Places are pixels that were seen and stand above the table: those under the mask, or without one those of every
+    thing that the image does not cut off at its border (only where it cuts off all things, those too).
+
+    Raises:
+        ImageError: no table plane, a camera that does not look at the table, or a mask that does not fit.
+    """
+    rectified = rectify(image)
+    raised = (rectified.image.depth < CANONICAL_HEIGHT - settings.least_height) & rectified.seen
+    if mask is not None:
+        places = raised & rectified.carry(mask)
+        where = " under the mask"
+    else:
+        places = _whole_things(rectified, raised, settings.least_area)
+        where = ""
+    if not places.any():
+        return rectified, (
+            f"no object above the table: nothing seen{where} stands more than"
+            f" {settings.least_height * 1000:.0f} mm above it"
+        )
+    rows = _window(np.flatnonzero(places.any(axis=1)), places.shape[0])
+    columns = _window(np.flatnonzero(places.any(axis=0)), places.shape[1])
+    canvas = rectified.image.camera
+    k = msgspec.structs.replace(
+        canvas.intrinsics,
+        cx=canvas.intrinsics.cx - columns.start,
+        cy=canvas.intrinsics.cy - rows.start,
+        width=columns.stop - columns.start,
+        height=rows.stop - rows.start,
+    )
+    return rectified, TableView(
+        rectified, settings, rows, columns, places[rows, columns], Camera(k, canvas.world_from_camera)
+    )
+
+
+def _whole_things(rectified: Rectified, raised: NDArray[np.bool_], least_area: int) -> NDArray[np.bool_]:
+    """Raised pixels (H, W) in areas of at least that many, without surfaces that reach the border of the input image.
+
+    A surface ends at a step in depth, so that what merely touches a cut-off thing stays. Small areas left close to one
+    are taken for its torn-off pieces.
+    """
+    _, labels, area = _components(raised)
+    large = area >= least_area
+    large[0] = False
+    things = large[labels]
+    depth = rectified.image.depth
+    step = cv2.dilate(depth, _SQUARE) - cv2.erode(depth, _SQUARE)
+    count, labels, area = _components(things & (step < _STEP_DEPTH))
+    start, target = rectified.moved
+    cut = np.zeros(count, bool)
+    cut[labels.reshape(-1)[target[rectified.rim.reshape(-1)[start]]]] = True
+    for side in (labels[:_RIM], labels[-_RIM:], labels[:, :_RIM], labels[:, -_RIM:]):
+        cut[side] = True
+    cut[0] = False
+    if not cut.any():
+        return things
+    lost = cut[labels].view(np.uint8)
+    whole = things & (cv2.dilate(lost, _SQUARE, iterations=2) == 0)
+    count, labels, area = _components(whole)
+    near = np.zeros(count, bool)
+    near[labels[cv2.dilate(lost, _PIECE_REACH) > 0]] = True
+    large = area >= np.where(near, _PIECE_AREA, least_area)
+    large[0] = False
+    whole = large[labels]
+    return whole if whole.any() else things
+
+
+def _components(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.int32], NDArray[np.int32]]:
+    """Number of connected areas with the background, label (H, W) of every pixel, and area of each label."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
+    return count, np.asarray(labels, np.int32), np.asarray(stats[:, cv2.CC_STAT_AREA], np.int32)
+
+
+def _window(inside: NDArray[np.intp], size: int) -> slice:
+    """Stretch of an axis that holds the indices `inside` with a margin, in steps of sizes where there is room."""
+    low, high = int(inside[0]) - _MARGIN, int(inside[-1]) + 1 + _MARGIN
+    want = max(high - low, _LEAST_WINDOW)
+    if want > _LEAST_WINDOW:
+        want += -want % _STEP
+    want = min(want, size)
+    start = min(max((low + high - want) // 2, 0), size - want)
+    return slice(start, start + want)
