@@ -18,6 +18,7 @@ class Command(Protocol):
 
 
 COMMANDS: dict[str, tuple[str, str, str]] = {
+    "plan": ("plan", "PlanCommand", "grasps from one depth image"),
     "generate": ("generate", "Generate", "make a dataset from a recipe"),
     "dataset info": ("dataset", "Info", "what a dataset holds"),
     "dataset verify": ("dataset", "Verify", "check every file, hash and label of a dataset"),
