@@ -29,9 +29,8 @@ def draw_plan(plan: Plan, image: DepthImage) -> Picture:
     """BGR picture of a plan.
 
     On the left the input's depth, as height above the table where that is known, with faint rectangles for all that was
-    scored and bright ones for the candidates, red (0) over yellow to green (1) by score; of the best one the sides where
-    the fingers stand are thick. On the right the quality map over the canonical depth, with the region and the sampled
-    pixels.
+    scored and bright ones for the candidates, red (0) over yellow to green (1) by score; the fingers' sides of the best
+    one are thick. On the right the quality map over the canonical depth, with the region and the sampled pixels.
     """
     depth = _grey(_nearness(image, plan.camera), image.valid)
     for candidate in reversed(plan.scored[:_SHOWN]):
