@@ -1,0 +1,231 @@
+"""A small planned scene that needs no network, and a viser client that only remembers what it was told."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import trimesh
+
+from grasp_core.camera import DepthImage
+from grasp_core.grasp import Grasp, to_image
+from grasp_core.gripper import load_gripper
+from grasp_core.objects.asset import ObjectAsset, Part
+from grasp_core.planning.planner import Candidate, Plan
+from grasp_core.scene import Scene, place
+from grasp_core.simulation.recording import Recording
+from workbench.actions import Action
+from workbench.orders import Catalogue, OpenedScene, SceneRequest, Try
+from workbench.state import State
+
+REQUEST = SceneRequest(family="box_", shape=3, pose=0, place=1, planner="cascade")
+
+
+def make_asset() -> ObjectAsset:
+    box = trimesh.creation.box((0.12, 0.04, 0.06))
+    part = Part(np.asarray(box.vertices, float), np.asarray(box.faces, np.int32))
+    inertia = np.diag([0.06**2 + 0.04**2, 0.12**2 + 0.06**2, 0.12**2 + 0.04**2]) * box.volume / 12
+    return ObjectAsset("box_003", "box_", part.vertices, part.faces, (part,), float(box.volume), inertia)
+
+
+def make_opened(candidates: int = 3, reason: str | None = None, quality: bool = True) -> OpenedScene:
+    rest = np.eye(4)
+    rest[2, 3] = 0.03
+    scene = Scene.single(make_asset(), place(rest, 0.01, 0.02, 0.3))
+    camera = scene.camera
+    depth = np.full((300, 300), 0.7, np.float32)
+    depth[120:160, 110:200] = 0.64
+    image = DepthImage.from_array(depth, camera)
+    found = []
+    for index in range(candidates):
+        grasp = Grasp((0.01 + 0.01 * index, 0.02, 0.03), 0.3 + np.pi / 2 - 0.2 * index, 0.08)
+        found.append(Candidate(grasp, to_image(grasp, camera), 0.9 - 0.3 * index, 0.8 - 0.1 * index))
+    heat = np.zeros((300, 300), np.float32)
+    heat[130:150, 120:190] = 0.7 if quality else 0
+    plan = Plan(
+        candidates=tuple(found),
+        canvas=image,
+        quality_map=heat,
+        region=(150.0, 140.0, 25.0),
+        sampled=np.array([[150, 140], [155, 138]]),
+        scored=tuple(found),
+        stages_ms={"rectify": 2.0, "regression": 8.0, "refined": 30.0},
+        reason=reason,
+        camera=camera,
+        weights="test",
+        missing=0.0,
+    )
+    return OpenedScene(REQUEST, scene, 2, 0.75, ((rest, 0.75),), image, image, plan, {"render": 11.0})
+
+
+def make_try(number: int = 0, outcome: str = "SUCCESS", recorded: bool = True) -> Try:
+    count = 21
+    poses = np.zeros((count, 5, 7), np.float32)
+    poses[:, :, 3] = 1
+    poses[:, :, 2] = np.linspace(0, 0.2, count)[:, None]
+    recording = Recording(
+        names=("object_0", "base", "rod", "left_finger", "right_finger"),
+        times=np.linspace(0, 2, count),
+        phases=np.zeros(count, np.int8),
+        poses=poses,
+        fingers=np.zeros((count, 2), np.float32),
+        contact_frames=np.array([10, 10, 11], np.int32),
+        contact_points=np.zeros((3, 3), np.float32),
+        contact_forces=np.ones((3, 3), np.float32),
+        contact_fingers=np.array([0, 1, 0], np.int8),
+        contact_objects=np.zeros(3, np.int16),
+        outcome=outcome,
+        words="held",
+    )
+    return Try(
+        number=number,
+        outcome=outcome,
+        words="held to the end",
+        seed=100 + number,
+        executed=Grasp((0.01, 0.02, 0.03), 0.3, 0.08),
+        moved=(0.004, 0.1),
+        dynamic=True,
+        redraws=0,
+        evidence="{}",
+        recording=recording if recorded else None,
+    )
+
+
+class Handle:
+    """Remembers properties and handlers of a widget or scene node."""
+
+    def __init__(self, kind: str, **properties):
+        self.kind = kind
+        self.handlers = []
+        self._impl = SimpleNamespace(uuid="11111111-2222")
+        self.__dict__.update(properties)
+
+    def _add(self, handler):
+        self.handlers.append(handler)
+        return handler
+
+    on_update = on_click = on_trigger = _add
+
+
+class Client:
+    """Stands for a browser: `gui` and `scene` make handles, all kept in `made`."""
+
+    def __init__(self):
+        self.made: list[Handle] = []
+        self.notices = []
+        self.gui = self.scene = self
+        self.main_panel = SimpleNamespace(dock_left=lambda: None, set_width=lambda width: None)
+
+    def _make(self, kind, **properties):
+        handle = Handle(kind, **properties)
+        self.made.append(handle)
+        return handle
+
+    def __getattr__(self, name):
+        if name.startswith(("configure_", "set_")):
+            return lambda *args, **options: None
+        if not name.startswith("add_"):
+            raise AttributeError(name)
+        return lambda label=None, *args, **options: self._make(
+            name, **{"label": label, "args": args, "wxyz": None, "visible": True, "opacity": None, **options}
+        )
+
+    def add_html(self, content):
+        return self._make("html", content=content)
+
+    def add_text(self, label, value):
+        return self._make("text", label=label, value=value)
+
+    def add_dropdown(self, label, options, *, initial_value, hint):
+        return self._make("dropdown", label=label, options=options, value=initial_value)
+
+    def add_slider(self, label, *, min, max, step, initial_value, hint):
+        return self._make("slider", label=label, min=min, max=max, step=step, value=initial_value, disabled=False)
+
+    def add_panel(self):
+        return _Panel()
+
+    def add_notification(self, title, body, **options):
+        self.notices.append((title, body))
+
+    def atomic(self):
+        return _Block()
+
+    def only(self, kind, label=None):
+        found = [handle for handle in self.made if handle.kind == kind and label in (None, handle.label)]
+        assert len(found) == 1, (kind, label, len(found))
+        return found[0]
+
+    def page(self) -> str:
+        """All HTML that is shown."""
+        return "\n".join(handle.content for handle in self.made if handle.kind == "html")
+
+
+class _Block:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        return None
+
+
+class _Panel:
+    def add_tab(self, label, icon):
+        return _Block()
+
+    def dock_right(self):
+        pass
+
+    def set_width(self, width):
+        pass
+
+
+@pytest.fixture
+def opened() -> OpenedScene:
+    return make_opened()
+
+
+@pytest.fixture
+def catalogue() -> Catalogue:
+    return Catalogue(("box_", "mug", "pen"), ("cascade", "random"), load_gripper(), 5)
+
+
+@pytest.fixture
+def state(catalogue) -> State:
+    return State(catalogue, REQUEST)
+
+
+@pytest.fixture
+def shown(state, opened):
+    from dataclasses import replace
+
+    return replace(state, opening=False, scene=opened, selected=0)
+
+
+@pytest.fixture
+def client() -> Client:
+    return Client()
+
+
+@pytest.fixture
+def posted() -> list[Action]:
+    return []
+
+
+@pytest.fixture
+def bridge(client, posted):
+    from workbench.bridge import Bridge
+    from workbench.screen import READERS
+
+    return Bridge(client, posted.append, READERS)
+
+
+@pytest.fixture
+def attempt():
+    return make_try
+
+
+@pytest.fixture
+def empty_scene() -> OpenedScene:
+    return make_opened(0, reason="nothing stands on the table", quality=False)

@@ -1,0 +1,95 @@
+import time
+
+import pytest
+
+from grasp_core.dataset.store import DatasetStore
+from workbench import actions as a
+from workbench.app import Workbench
+from workbench.orders import SceneRequest
+
+FIRST = SceneRequest("can", 0, 0, 1, "antipodal")
+
+
+class Screen:
+    """Stands for a browser."""
+
+    def __init__(self):
+        self.state = None
+        self.notices = []
+
+    def update(self, old, new):
+        self.state = new
+
+    def perform(self, effect):
+        if isinstance(effect, a.Notice):
+            self.notices.append(effect)
+        return isinstance(effect, a.Notice)
+
+
+def wait(condition, what, seconds=90):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def workbench(tmp_path_factory):
+    made = Workbench(port=0, dataset=tmp_path_factory.mktemp("data") / "own", first=FIRST)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def browser(workbench):
+    session, _ = workbench._sessions.claim(None)
+    screen = Screen()
+    session.attach(screen)
+    workbench._perform(session, a.OpenScene(0, FIRST))
+    wait(lambda: screen.state is not None and screen.state.scene is not None, "the first plan")
+    yield session, screen
+    session.attach(None)
+
+
+def test_the_first_scene_is_planned(workbench, browser):
+    _, screen = browser
+    assert workbench.url.startswith("http://127.0.0.1:")
+    assert screen.state.candidates and screen.state.selected == 0
+
+
+def test_a_click_is_tried_replayed_judged_and_stored(workbench, browser):
+    session, screen = browser
+    session.post(a.Select(0))
+    wait(lambda: screen.state.trial.complete and screen.state.playback is not None, "the trial")
+    assert screen.state.playback.attempt.recording is not None
+    wait(lambda: screen.state.playback.position > 0.2, "the replay to move")
+    session.post(a.Judge("good"))
+    wait(lambda: screen.state.verdicts == {0: "good"}, "the verdict")
+    with DatasetStore.open(workbench.dataset, readonly=True) as store:
+        event = store.events()[-1]
+        assert (event.kind, event.value, event.source) == ("value", 1.0, "human")
+        assert len(store.attempts(event.grasp)) == 5
+
+
+def test_what_cannot_be_made_is_reported(browser):
+    session, screen = browser
+    session.post(a.UsePlanner("wishful"))
+    wait(lambda: screen.state.failure is not None, "the failure")
+    assert "wishful" in screen.state.failure and screen.notices[-1].tone == "error"
+
+
+def test_browsers_are_independent(workbench, browser):
+    _, screen = browser
+    other, _ = workbench._sessions.claim(None)
+    second = Screen()
+    other.attach(second)
+    workbench._perform(other, a.OpenScene(0, FIRST))
+    wait(lambda: second.state is not None and second.state.scene is not None, "the second browser's scene")
+    other.post(a.Toggle("camera"))
+    wait(lambda: "camera" not in second.state.shown, "the switch")
+    assert "camera" in screen.state.shown
+
+
+def test_an_effect_that_nobody_does_is_an_error(workbench, browser):
+    with pytest.raises(TypeError):
+        workbench._perform(browser[0], a.Effect())

@@ -1,0 +1,73 @@
+import getpass
+
+import numpy as np
+import pytest
+
+from grasp_core.dataset.store import DatasetStore
+from grasp_core.errors import GraspError, MismatchError
+from grasp_core.gripper import load_gripper
+from grasp_core.simulation.physics import load_physics
+from workbench.ledger import Ledger, default_dataset, person
+
+
+@pytest.fixture
+def ledger(tmp_path):
+    return Ledger(tmp_path / "verdicts", load_gripper(), load_physics())
+
+
+def test_a_verdict_is_stored_with_scene_grasp_and_attempts(ledger, opened, attempt):
+    ledger.check()
+    assert not ledger.path.exists(), "nothing is made before the first verdict"
+    event = ledger.record(opened, 1, "good", [attempt(n, recorded=False) for n in range(5)])
+    with DatasetStore.open(ledger.path) as store:
+        row = store.grasp(event.grasp)
+        assert row.grasp == opened.plan.candidates[1].grasp
+        assert (row.origin, row.label, row.source, row.attempts, row.successes) == ("planner", 1.0, "human", 5, 5)
+        stored = store.history(event.grasp)[-1]
+        assert stored.kind == "value" and stored.value == 1.0 and stored.person == person()
+        assert stored.details["planner"] == "cascade" and stored.details["score"] == pytest.approx(0.6)
+        assert np.abs(store.depth(row.scene).depth - opened.clean.depth).max() < 1e-4
+        assert store.scene(row.scene).objects[0].asset.name == "box_003"
+
+
+def test_a_second_verdict_adds_an_event_and_no_attempt_twice(ledger, opened, attempt):
+    tried = [attempt(n, recorded=False) for n in range(5)]
+    first = ledger.record(opened, 0, "good", tried)
+    second = ledger.record(opened, 0, "bad", tried)
+    assert first.grasp == second.grasp and first.id < second.id
+    with DatasetStore.open(ledger.path) as store:
+        assert len(store.attempts(first.grasp)) == 5
+        assert store.current(first.grasp).value == 0.0
+        assert len(store.scenes()) == 1
+
+
+def test_a_grasp_that_was_not_tried_can_be_judged(ledger, opened):
+    event = ledger.record(opened, 2, "bad", [])
+    with DatasetStore.open(ledger.path) as store:
+        assert store.grasp(event.grasp).label == 0.0 and store.attempts(event.grasp) == []
+
+
+def test_a_dataset_of_another_gripper_is_refused(ledger, opened):
+    import msgspec
+
+    ledger.record(opened, 0, "good", [])
+    other = msgspec.structs.replace(load_gripper(), force=99.0)
+    with pytest.raises(MismatchError):
+        Ledger(ledger.path, other, load_physics()).check()
+    ledger.check()
+
+
+def test_what_is_no_dataset_is_refused(tmp_path):
+    (tmp_path / "dataset.sqlite").write_text("hello")
+    with pytest.raises(GraspError):
+        Ledger(tmp_path, load_gripper(), load_physics()).check()
+
+
+def test_the_user_s_own_dataset_is_in_their_data_folder(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    assert default_dataset().name == "workbench" and "grasp-workbench" in str(default_dataset())
+
+
+def test_there_is_always_a_name(monkeypatch):
+    monkeypatch.setattr(getpass, "getuser", lambda: (_ for _ in ()).throw(OSError()))
+    assert person() == "somebody"

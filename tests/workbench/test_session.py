@@ -1,0 +1,148 @@
+import threading
+import time
+
+import pytest
+
+from workbench import actions as a
+from workbench import session as module
+from workbench.session import Session, Sessions
+
+TOKEN = "0" * 32
+
+
+class Screen:
+    def __init__(self):
+        self.updates = []
+        self.notices = []
+
+    def update(self, old, new):
+        self.updates.append((old, new))
+
+    def perform(self, effect):
+        if isinstance(effect, a.Notice):
+            self.notices.append(effect)
+            return True
+        return False
+
+
+@pytest.fixture
+def session(shown):
+    return Session(TOKEN, shown, lambda: None)
+
+
+def test_actions_wait_for_the_step(session, shown):
+    screen = Screen()
+    session.attach(screen)
+    session.post(a.Select(1))
+    assert session.state is shown
+    effects, _ = session.step(0.0)
+    assert session.state.selected == 1
+    assert [type(effect) for effect in effects] == [a.RecordAttempt, a.RunTrial]
+    assert len(screen.updates) == 1 and screen.updates[0][0] is None
+
+
+def test_a_step_without_news_sends_nothing(session):
+    screen = Screen()
+    session.attach(screen)
+    session.step(0.0)
+    session.step(1.0)
+    assert len(screen.updates) == 1
+
+
+def test_a_new_screen_gets_everything(session):
+    session.attach(Screen())
+    session.step(0.0)
+    session.attach(None)
+    session.post(a.Select(2))
+    session.step(1.0)
+    screen = Screen()
+    session.attach(screen)
+    session.step(2.0)
+    old, new = screen.updates[0]
+    assert old is None and new.selected == 2, "what happened meanwhile is there after a reload"
+
+
+def test_notices_go_to_the_screen_or_to_others_when_nobody_looks(session):
+    session.post(a.Notice("info", "a", "b"))
+    assert session.step(0.0)[0] == (a.Notice("info", "a", "b"),)
+    screen = Screen()
+    session.attach(screen)
+    session.post(a.Notice("info", "c", "d"))
+    assert session.step(1.0)[0] == ()
+    assert screen.notices == [a.Notice("info", "c", "d")]
+
+
+def test_frames_come_on_absolute_deadlines(session, attempt):
+    screen = Screen()
+    session.attach(screen)
+    session.post(a.Select(0))
+    session.post(a.Replayed(0, 0, attempt(0)))
+    now = 100.0
+    _, due = session.step(now)
+    first = due
+    for _count in range(1, 31):
+        _, due = session.step(due + 0.004)  # each wake is a little late
+    assert due == pytest.approx(first + 30 * module.FRAME)
+    assert session.state.playback.position == pytest.approx(1.0, abs=0.05)
+    _, due = session.step(now + 60)
+    assert due is None or not session.state.playback.playing
+
+
+def test_posting_wakes():
+    woken = []
+    session = Session(TOKEN, None, lambda: woken.append(1))
+    session.post(a.AnotherPose())
+    assert woken == [1]
+
+
+@pytest.fixture
+def sessions(shown):
+    return Sessions(lambda: shown, lambda: None)
+
+
+def test_a_browser_that_comes_back_finds_its_session(sessions):
+    first, new = sessions.claim(None)
+    assert new
+    first.attach(None)
+    again, new = sessions.claim(first.token)
+    assert again is first and not new
+
+
+def test_a_second_tab_gets_its_own(sessions):
+    first, _ = sessions.claim(None)
+    other, new = sessions.claim(first.token)
+    assert new and other is not first
+
+
+@pytest.mark.parametrize("token", ["", "x" * 32, "../../etc", "0" * 5000, TOKEN])
+def test_unknown_tokens_get_a_new_session(sessions, token):
+    session, new = sessions.claim(token)
+    assert new and session.token != token
+
+
+def test_browsers_that_left_are_forgotten(sessions, monkeypatch):
+    first, _ = sessions.claim(None)
+    first.attach(None)
+    monkeypatch.setattr(module, "KEEP", -1.0)
+    sessions.claim(None)
+    assert first not in sessions.all()
+
+
+def test_not_all_browsers_that_left_are_remembered(sessions, monkeypatch):
+    monkeypatch.setattr(module, "MOST", 3)
+    for _ in range(6):
+        session, _ = sessions.claim(None)
+        session.attach(None)
+        time.sleep(0.002)
+    sessions.claim(None)
+    assert len(sessions.all()) == 4
+
+
+def test_claims_from_many_threads_are_distinct(sessions):
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(sessions.claim(TOKEN)[0])) for _ in range(20)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len({session.token for session in found}) == 20

@@ -1,0 +1,125 @@
+"""Writes verdicts to the workbench's dataset; every rule is the store's own."""
+
+from __future__ import annotations
+
+import getpass
+import threading
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import platformdirs
+
+from grasp_core import config
+from grasp_core.dataset.content import SceneRecord
+from grasp_core.dataset.database import FILE
+from grasp_core.dataset.events import LabelEvent
+from grasp_core.dataset.rows import AttemptRow, StoredPose
+from grasp_core.dataset.store import DatasetStore
+from grasp_core.gripper import Gripper
+from grasp_core.simulation.physics import Physics
+from workbench.orders import Judgement, OpenedScene, Try
+
+
+class Source(config.Settings):
+    """Stands where generated datasets keep their recipe.
+
+    Attributes:
+        made_by: what added the scenes.
+    """
+
+    made_by: str = "grasp-workbench"
+
+
+def default_dataset() -> Path:
+    """The user's own dataset, in their data folder."""
+    return Path(platformdirs.user_data_dir("grasp-workbench")) / "workbench"
+
+
+def person() -> str:
+    """The name that verdicts are stored under: the user's on this machine."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return "somebody"
+
+
+class Ledger:
+    """The dataset that verdicts go to, made when the first one is stored.
+
+    Attributes:
+        path: its folder.
+    """
+
+    def __init__(self, path: Path, gripper: Gripper, physics: Physics) -> None:
+        self.path = path
+        self._gripper = gripper
+        self._physics = physics
+        self._lock = threading.Lock()
+        self.thread = ThreadPoolExecutor(1, thread_name_prefix="ledger")
+
+    def check(self) -> None:
+        """Open the dataset if it is there, so that a wrong one is refused before work starts.
+
+        Raises:
+            StoreError: it cannot be read.
+            MismatchError: it was made with another gripper or physics.
+        """
+        if (self.path / FILE).exists() or self.path.name == FILE:
+            self._open().close()
+
+    def _open(self) -> DatasetStore:
+        folder = self.path.parent if self.path.name == FILE else self.path
+        if (folder / FILE).exists():
+            store = DatasetStore.open(folder)
+            try:
+                store.check(gripper=self._gripper, physics=self._physics)
+            except BaseException:
+                store.close()
+                raise
+            return store
+        return DatasetStore.create(
+            folder, name=folder.name, gripper=self._gripper, physics=self._physics, recipe=Source()
+        )
+
+    def record(self, opened: OpenedScene, index: int, judgement: Judgement, attempts: Sequence[Try]) -> LabelEvent:
+        """Store a person's verdict on a candidate, with its scene, grasp and attempts where they are new.
+
+        Raises:
+            StoreError: it cannot be written.
+            MismatchError: the dataset was made with another gripper or physics.
+        """
+        with self._lock, self._open() as store:
+            placed = opened.scene.objects[0]
+            poses = [StoredPose(tuple(p.reshape(-1).tolist()), share) for p, share in opened.rests]
+            store.add_object(placed.asset, "train", poses)
+            request = opened.request
+            name = f"workbench_{placed.asset.name}_{request.pose}_{request.place}"
+            record = SceneRecord(
+                name, placed.asset.name, request.pose, request.place, opened.scene, opened.clean, (), ()
+            )
+            store.add_scene(record)
+            candidate = opened.plan.candidates[index]
+            who = person()
+            grasp = store.add_grasp(store.scene_id(name), candidate.grasp, origin="planner")
+            known = {row.seed for row in store.attempts(grasp)}
+            rows = [_row(attempt) for attempt in attempts if attempt.seed not in known]
+            if rows:
+                store.add_attempts(grasp, rows, person=who, reason="tried in the workbench")
+            details = {"score": candidate.score, "planner": request.planner, "weights": opened.plan.weights}
+            return store.add_label(
+                grasp, who, 1.0 if judgement == "good" else 0.0, reason="verdict in the workbench", details=details
+            )
+
+
+def _row(attempt: Try) -> AttemptRow:
+    p = attempt.executed
+    return AttemptRow(
+        attempt.outcome,
+        attempt.seed,
+        (*p.position, p.angle),
+        attempt.dynamic,
+        attempt.redraws,
+        attempt.moved,
+        attempt.evidence,
+    )
