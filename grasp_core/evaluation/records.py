@@ -25,6 +25,7 @@ class Run(msgspec.Struct, frozen=True, tag="run", tag_field="kind"):
         scale: of the meshes.
         seed: of the run.
         attempts: executions a candidate.
+        weights: name or path, of the planners with networks.
         physics: digest.
         gripper: digest.
         camera: digest of camera and pose.
@@ -35,6 +36,7 @@ class Run(msgspec.Struct, frozen=True, tag="run", tag_field="kind"):
     scale: str
     seed: int
     attempts: int
+    weights: str
     physics: str
     gripper: str
     camera: str
@@ -95,6 +97,7 @@ class PlanRecord(msgspec.Struct, frozen=True, tag="plan", tag_field="kind"):
         plan_ms: wall time of the call.
         reason: why the plan is empty, or none.
         candidates: best first.
+        weights: name and digest of what the planner really used, "" without networks.
     """
 
     scene: str
@@ -102,6 +105,7 @@ class PlanRecord(msgspec.Struct, frozen=True, tag="plan", tag_field="kind"):
     plan_ms: float
     reason: str | None
     candidates: tuple[CandidateRecord, ...]
+    weights: str = ""
 
 
 Record = Run | SceneRecord | PlanRecord

@@ -29,6 +29,7 @@ class PlannerSummary(msgspec.Struct, frozen=True):
         candidates_median: returned candidates on graspable scenes.
         outcomes: of the best candidates' executions on graspable scenes, by name.
         redrawn: executions whose solver diverged, on all scenes; they count as failures.
+        weights: name and digest of what was planned with, one unless the weights changed under their name.
         objects: per object, top1 on graspable scenes.
     """
 
@@ -44,6 +45,7 @@ class PlannerSummary(msgspec.Struct, frozen=True):
     candidates_median: float | None
     outcomes: dict[str, int]
     redrawn: int
+    weights: list[str]
     objects: dict[str, Rate]
 
 
@@ -91,6 +93,7 @@ def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> Plan
         candidates_median=float(np.median([len(plan.candidates) for _, plan in good])) if good else None,
         outcomes=dict(sorted(outcomes.items())),
         redrawn=sum(bool(r) for _, plan in pairs for candidate in plan.candidates for r in candidate.redraws),
+        weights=sorted({plan.weights for _, plan in pairs if plan.weights}),
         objects={name: _top1(plans, attempts) for name, plans in sorted(by_object.items())},
     )
 

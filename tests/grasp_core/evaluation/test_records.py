@@ -6,7 +6,7 @@ from grasp_core.evaluation.records import CandidateRecord, Log, PlanRecord, Run,
 from grasp_core.evaluation.scenes import SceneSpec
 from grasp_core.grasp import Grasp
 
-RUN = Run("folder", "keep", 0, 2, "p", "g", "c", "n")
+RUN = Run("folder", "keep", 0, 2, "default", "p", "g", "c", "n")
 SPEC = SceneSpec("mug", "abcdef", 0, 0)
 SCENE = SceneRecord(SPEC, "mug", 0.5, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], True, 1.0)
 CANDIDATE = CandidateRecord(

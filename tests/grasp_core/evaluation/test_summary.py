@@ -18,7 +18,7 @@ def candidate(word: str, redraws: tuple[int, ...] | None = None) -> CandidateRec
 
 
 def log_of(*scenes: tuple[str, bool, dict[str, list[CandidateRecord]]], ms: float = 10.0) -> Log:
-    log = Log(Run("f", "keep", 0, 2, "p", "g", "c", "n"))
+    log = Log(Run("f", "keep", 0, 2, "default", "p", "g", "c", "n"))
     for number, (name, graspable, plans) in enumerate(scenes):
         spec = SceneSpec(name, "abcd", 0, number)
         log.add(SceneRecord(spec, name, 1.0, POSE, graspable, 1.0 if graspable else 0.0))
