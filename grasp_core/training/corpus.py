@@ -19,10 +19,10 @@ from grasp_core.training.scenes import GraspLabels, TrainingScene, Views, more_v
 
 @dataclass(frozen=True)
 class Corpus:
-    """The scenes of a dataset in memory.
+    """The scenes of a dataset in memory, further views included.
 
     Attributes:
-        train: to learn from, further views included.
+        train: to learn from.
         validation: of other objects: chooses epochs and temperature.
         test: of yet other objects: only reported.
         gripper: whose grasps were tried.
@@ -47,11 +47,11 @@ def grasp_labels(table: GraspTable) -> GraspLabels:
 
 
 def load_corpus(path: str | Path, views: Views, *, seed: int = 0, progress: bool = True) -> Corpus:
-    """Read a dataset and render the further views of its training scenes.
+    """Read a dataset and render further views of its scenes.
 
     Args:
         path: of the dataset.
-        views: further views of each training scene; validation and test keep the stored view alone.
+        views: further views of each scene, in every split: planning meets objects anywhere, under any camera.
         seed: of those views.
         progress: show a progress bar.
 
@@ -66,9 +66,9 @@ def load_corpus(path: str | Path, views: Views, *, seed: int = 0, progress: bool
         for index, row in enumerate(tqdm(rows, desc="scenes", unit="scene", disable=not progress)):
             labels = grasp_labels(store.grasps(row.id))
             found[row.split].append(training_scene(row.name, row.object, store.depth(row.id), labels))
-            if row.split == "train" and views.count:
+            if views.count:
                 rng = np.random.default_rng(np.random.SeedSequence([seed, index]))
-                found["train"].extend(more_views(row.name, row.object, store.scene(row.id), labels, views, rng))
+                found[row.split].extend(more_views(row.name, row.object, store.scene(row.id), labels, views, rng))
         gripper = store.gripper()
     for split in ("train", "validation"):
         if not found[split]:
