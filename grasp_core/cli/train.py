@@ -97,6 +97,55 @@ class Pack:
         return 0
 
 
+@dataclass(frozen=True)
+class Assess:
+    """Measure weights on a dataset: the numbers in total and per object, and two figures."""
+
+    dataset: Path
+    """Folder of the dataset."""
+    out: Path
+    """Folder for refined.png (curves, reliability) and regression.png (quality maps)."""
+    weights: str = "default"
+    """Shipped name or a .safetensors file."""
+    split: Literal["train", "validation", "test"] = "validation"
+    """Whose objects."""
+    views: int = 2
+    """Further views of each scene, from elsewhere and by tilted cameras."""
+    seed: int = 0
+    """Of noise and views."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def run(self) -> int:
+        """Measure, print, draw."""
+        from grasp_core.errors import StoreError
+        from grasp_core.networks.runtime import load_runtime
+        from grasp_core.training.assess import assess
+        from grasp_core.training.corpus import load_corpus
+        from grasp_core.training.figures import classifier_figure, maps_figure
+        from grasp_core.training.scenes import Views
+
+        runtime = load_runtime(self.weights)
+        corpus = load_corpus(self.dataset, Views(count=self.views), seed=self.seed, progress=sys.stderr.isatty())
+        runtime.meta.check(corpus.gripper)
+        scenes = {"train": corpus.train, "validation": corpus.validation, "test": corpus.test}[self.split]
+        if not scenes:
+            raise StoreError(f"{self.dataset}: has no scene in its {self.split} split; choose another --split")
+        found = assess(runtime, scenes, corpus.gripper.opening, seed=self.seed)
+        self.out.mkdir(parents=True, exist_ok=True)
+        classifier_figure(self.out / "refined.png", found.scores, found.labels)
+        shown = list(range(0, len(scenes), max(1, len(scenes) // 24)))[:24]
+        maps_figure(self.out / "regression.png", [scenes[k] for k in shown], [found.maps[k] for k in shown])
+        per_object = found.by_object()
+        if self.json:
+            print(msgspec.json.encode({"totals": found.totals, "objects": per_object}).decode())
+            return 0
+        _report(False, {name: round(value, 4) for name, value in found.totals.items()})
+        for name, values in per_object.items():
+            print(f"  {name:<22}", "  ".join(f"{key} {value:.3f}" for key, value in values.items()))
+        return 0
+
+
 def train_one(network: Literal["regression", "refined"], options: _Common, settings: str) -> dict[str, Any]:
     """Train one network, keep it in the run folder, and give its metrics."""
     import torch

@@ -46,6 +46,17 @@ def test_trains_both_and_packs_weights(
     assert main(["train", "pack", "--out", str(tmp_path / "mine.safetensors"), "--regression", str(run)]) == 0
     assert "mine" in capsys.readouterr().out
 
+    weights = str(tmp_path / "mine.safetensors")
+    seen = ["--dataset", str(dataset), "--out", str(tmp_path / "seen"), "--weights", weights, "--views", "0"]
+    assert main(["train", "assess", *seen, "--json"]) == 0
+    assessed = json.loads(capsys.readouterr().out)
+    assert set(assessed["objects"]) == {"bar_004"}
+    assert assessed["totals"]["grasps"] == 60
+    assert (tmp_path / "seen" / "refined.png").is_file()
+    assert (tmp_path / "seen" / "regression.png").is_file()
+    assert main(["train", "assess", *seen, "--split", "test"]) == 0
+    assert "bar_005" in capsys.readouterr().out
+
     # The same command again does nothing new; another length is another run.
     assert main(["train", "refined", *shared, "--settings", settings[1]]) == 0
     assert json.loads(capsys.readouterr().out)["auc"] == meta.metrics["refined_auc"]
