@@ -24,7 +24,7 @@ _STEP = 32
 _RIM = 3
 """Pixels: what comes this near to the border of the canvas is cut off."""
 _STEP_DEPTH = 0.012
-"""Metres between neighbours that end a surface."""
+"""Metres over 3 pixels (steeper than about 77°) that end a surface."""
 _PIECE_AREA = 1500
 """Canvas pixels, 27 cm²."""
 _PIECE_REACH = np.ones((25, 25), np.uint8)

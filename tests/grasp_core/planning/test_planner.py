@@ -1,0 +1,70 @@
+import pytest
+
+from grasp_core.config import shipped
+from grasp_core.errors import ConfigError, MismatchError
+from grasp_core.planning.baselines.antipodal import AntipodalPlanner
+from grasp_core.planning.baselines.centroid import CentroidPlanner
+from grasp_core.planning.baselines.random import RandomPlanner
+from grasp_core.planning.cascade import CascadePlanner, CascadeSettings
+from grasp_core.planning.planner import PLANNERS, make_planner
+
+CLASSES = {
+    "cascade": CascadePlanner,
+    "random": RandomPlanner,
+    "centroid": CentroidPlanner,
+    "antipodal": AntipodalPlanner,
+}
+
+
+def test_every_planner_is_shipped_and_made_by_name(make_runtime):
+    assert set(PLANNERS) == set(CLASSES) == set(shipped("planners"))
+    for name, class_ in CLASSES.items():
+        planner = make_planner(name, runtime=make_runtime())
+        assert type(planner) is class_ and planner.gripper.name == "paper"
+
+
+def test_shipped_settings_are_the_defaults_of_the_code(make_runtime):
+    for name, class_ in CLASSES.items():
+        settings = make_planner(name, runtime=make_runtime()).settings
+        if name == "cascade":
+            assert settings.radius == pytest.approx(1 / 3, abs=1e-4)
+            assert settings == CascadeSettings(radius=settings.radius)
+        else:
+            assert settings == class_.settings_type()
+
+
+def test_a_file_of_settings_makes_a_planner(tmp_path, make_runtime):
+    path = tmp_path / "mine.yaml"
+    path.write_text("planner: cascade\nthreshold: 0.8\nview: {least_height: 2e-2}\n")
+    planner = make_planner(path, runtime=make_runtime())
+    assert planner.settings.threshold == 0.8 and planner.settings.view.least_height == 0.02
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("planner: magic\n", "cascade, random, centroid, antipodal"),
+        ("threshold: 0.5\n", "planner"),
+        ("planner: cascade\nthresold: 0.5\n", "thresold"),
+        ("- cascade\n", "planner"),
+    ],
+)
+def test_wrong_files_are_refused_with_the_valid_choices(text, words, tmp_path, make_runtime):
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=r"mine\.yaml") as refused:
+        make_planner(path, runtime=make_runtime())
+    assert words in str(refused.value)
+
+
+def test_unknown_names_and_other_grippers_are_refused(make_runtime):
+    import msgspec
+
+    from grasp_core.gripper import load_gripper
+
+    with pytest.raises(ConfigError, match="antipodal"):
+        make_planner("magic")
+    other = msgspec.structs.replace(load_gripper(), opening=0.09)
+    with pytest.raises(MismatchError):
+        make_planner("cascade", gripper=other, runtime=make_runtime())
+    assert make_planner("random", gripper=other).gripper.opening == 0.09
