@@ -23,7 +23,7 @@ from grasp_core.dataset.database import FILE
 from grasp_core.dataset.recipe import ObjectPlan, Recipe, name_seed, plan_objects
 from grasp_core.dataset.rows import AttemptRow, StoredPose
 from grasp_core.dataset.store import DatasetStore
-from grasp_core.errors import GraspError, MismatchError
+from grasp_core.errors import ConfigError, GraspError, MismatchError
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper, load_gripper
 from grasp_core.objects.asset import ObjectAsset
@@ -213,7 +213,7 @@ def open_for(recipe: Recipe, path: Path, gripper: Gripper, physics: Physics) -> 
     store = DatasetStore.open(path)
     try:
         store.check(gripper=gripper, physics=physics)
-        theirs, ours = store.meta.recipe, msgspec.to_builtins(recipe)
+        theirs, ours = store.meta.recipe, msgspec.json.decode(msgspec.json.encode(recipe))
         if theirs != ours:
             differ = ", ".join(sorted(key for key in {*theirs, *ours} if theirs.get(key) != ours.get(key)))
             raise MismatchError(
@@ -249,6 +249,10 @@ def generate(
     """
     start = time.perf_counter()
     gripper, physics, camera = load_gripper(recipe.gripper), load_physics(recipe.physics), load_camera(recipe.camera)
+    if camera.world_from_camera is None:
+        raise ConfigError(
+            f"recipe '{recipe.name}': the camera '{recipe.camera}' has no pose; add world_from_camera to it"
+        )
     plans = plan_objects(recipe)
     summary = Summary()
     tell = progress or (lambda _: None)

@@ -143,7 +143,7 @@ class DatasetStore(Lists):
                 f" with '{gripper.name}' ({gripper.digest}); use that gripper or generate another dataset"
             )
         if physics is not None and config.digest(physics) != meta.physics_digest:
-            theirs = msgspec.to_builtins(physics)
+            theirs = msgspec.json.decode(msgspec.json.encode(physics))
             differ = sorted(k for k in {*theirs, *meta.physics} if theirs.get(k) != meta.physics.get(k))
             raise MismatchError(
                 f"{self.path}: was made with other physics ({', '.join(differ)} differ); use its settings or generate"
