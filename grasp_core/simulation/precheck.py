@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from grasp_core.gripper import Gripper
+from grasp_core.gripper import Box, Gripper
 from grasp_core.simulation.physics import Physics
 
 _BLOCK = 256
@@ -54,8 +56,8 @@ class HeightMap:
     def of(cls, parts: Sequence[Sequence[NDArray[np.float64]]], cell: float) -> HeightMap:
         """Rasterise convex parts: per object, the vertices (V, 3) of each part in the world, metres."""
         points = np.concatenate([vertices for item in parts for vertices in item])
-        low = np.floor(points[:, :2].min(axis=0) / cell).astype(int) - 1
-        high = np.ceil(points[:, :2].max(axis=0) / cell).astype(int) + 1
+        low = np.floor(points[:, :2].min(axis=0) / cell).astype(int) - 2
+        high = np.ceil(points[:, :2].max(axis=0) / cell).astype(int) + 2
         heights = np.zeros(tuple(high - low + 1), np.float32)
         owners = np.full(heights.shape, TABLE, np.int16)
         for index, item in enumerate(parts):
@@ -63,14 +65,26 @@ class HeightMap:
                 _draw(heights, owners, low, cell, vertices, index)
         return cls(low * cell, cell, heights, owners)
 
-    def at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-        """Flat cell indices and heights at world positions of one shape; outside the map the table's 0 (index −1)."""
-        i = np.rint((x - self.corner[0]) / self.cell).astype(np.intp)
-        j = np.rint((y - self.corner[1]) / self.cell).astype(np.intp)
+    def at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Flat cell indices and heights at world positions of one shape; the map's border is table, as all beyond."""
         rows, columns = self.heights.shape
-        inside = (i >= 0) & (i < rows) & (j >= 0) & (j < columns)
-        flat = np.where(inside, i * columns + j, -1)
-        return flat, np.where(inside, self.heights.ravel()[flat], np.float32(0))
+        i = np.clip((x - self.corner[0]) * (1 / self.cell) + 0.5, 0, rows - 1).astype(np.int32)
+        j = np.clip((y - self.corner[1]) * (1 / self.cell) + 0.5, 0, columns - 1).astype(np.int32)
+        flat = i * np.int32(columns) + j
+        return flat, self.heights.ravel()[flat]
+
+    @cached_property
+    def coarse(self) -> HeightMap:
+        """The same in cells eight times as large, each as high as anything within one such cell around it."""
+        size = 8
+        rows, columns = (-(-n // size) for n in self.heights.shape)
+        padded = np.zeros((rows * size, columns * size), np.float32)
+        padded[: self.heights.shape[0], : self.heights.shape[1]] = self.heights
+        blocks = np.pad(padded.reshape(rows, size, columns, size).max(axis=(1, 3)), 2)
+        spread = np.asarray(cv2.dilate(blocks, np.ones((3, 3), np.uint8)), np.float32)
+        cell = self.cell * size
+        corner = self.corner + (size - 1) / 2 * self.cell - 2 * cell
+        return HeightMap(corner, cell, spread, np.full(spread.shape, TABLE, np.int16))
 
 
 def _draw(
@@ -120,10 +134,14 @@ class Prechecked:
     gaps: NDArray[np.float64]
 
 
-def _cells(x: tuple[float, float], y: tuple[float, float], cell: float) -> NDArray[np.float64]:
-    """(K, 2) sample points that fill a rectangle, no farther apart than a cell, its edges included."""
-    axes = [np.linspace(a, b, max(2, int(np.ceil((b - a) / cell)) + 1)) for a, b in (x, y)]
+def _cells(x: tuple[float, float], y: tuple[float, float], step: float) -> NDArray[np.float64]:
+    """(K, 2) sample points that fill a rectangle, no farther apart than `step`, its edges included."""
+    axes = [np.linspace(a, b, max(2, int(np.ceil((b - a) / step)) + 1)) for a, b in (x, y)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def _cover(box: Box, step: float) -> NDArray[np.float64]:
+    return _cells((-box.x / 2, box.x / 2), (-box.y / 2, box.y / 2), step)
 
 
 class Precheck:
@@ -145,10 +163,12 @@ class Precheck:
         self._gripper = gripper
         self._highest = float(self.map.heights.max())
         g = gripper
-        self._finger = _cells((0.0, g.finger.x), (-g.finger.y / 2, g.finger.y / 2), physics.cell)
+        # Samples every second cell: nothing of an object is thinner than that.
+        step = 2 * physics.cell
+        self._finger = _cells((0.0, g.finger.x), (-g.finger.y / 2, g.finger.y / 2), step)
         self._blocks = {
-            name: (_cells((-box.x / 2, box.x / 2), (-box.y / 2, box.y / 2), physics.cell), bottom)
-            for name, box, bottom in (("rod", g.rod, g.finger.z), ("base", g.base, g.finger.z + g.rod.z))
+            "rod": (_cover(g.rod, step), _cover(g.rod, 8 * physics.cell), g.finger.z),
+            "base": (_cover(g.base, step), _cover(g.base, 8 * physics.cell), g.finger.z + g.rod.z),
         }
 
     def check(self, grasps: NDArray[np.float64]) -> Prechecked:
@@ -172,12 +192,12 @@ class Precheck:
         return result
 
     def _look(
-        self, grasps: NDArray[np.float64], local: NDArray[np.float64]
-    ) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        self, grasps: NDArray[np.float64], local: NDArray[np.float64], map_: HeightMap | None = None
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Cells and heights (N, K) under points of the gripper frame, (K, 2) or (N, K, 2)."""
         c, s = np.cos(grasps[:, 3, None]), np.sin(grasps[:, 3, None])
         x, y = local[..., 0], local[..., 1]
-        return self.map.at(grasps[:, 0, None] + c * x - s * y, grasps[:, 1, None] + s * x + c * y)
+        return (map_ or self.map).at(grasps[:, 0, None] + c * x - s * y, grasps[:, 1, None] + s * x + c * y)
 
     def _collide(self, grasps: NDArray[np.float64], rows: NDArray[np.intp], result: Prechecked) -> None:
         """Mark the grasps whose gripper meets something; the body that meets first, seen from above, is named."""
@@ -185,9 +205,11 @@ class Precheck:
         depth = np.zeros(len(rows))
         for body, name in enumerate(BODIES):
             if name in self._blocks:
-                local, bottom = self._blocks[name]
+                points, rough, bottom = self._blocks[name]
                 near = np.flatnonzero(self._highest > chosen[:, 2] + bottom)
-                points = local
+                if len(near):  # the coarse map spares most of them the fine one
+                    most = self._look(chosen[near], rough, self.map.coarse)[1].max(axis=1)
+                    near = near[most > chosen[near, 2] + bottom]
             else:
                 side = -1.0 if name == "left_finger" else 1.0
                 near, bottom = np.arange(len(rows)), 0.0
@@ -210,10 +232,11 @@ class Precheck:
             result.verdict[rows[at]] = Verdict.COLLISION
             result.body[rows[at]] = body
             cells = flat[pick][hit]
-            result.obstacle[rows[at]] = np.where(cells >= 0, self.map.owners.ravel()[cells], TABLE)
+            owners = self.map.owners.ravel()[cells]
+            result.obstacle[rows[at]] = owners
             i, j = np.divmod(cells, self.map.heights.shape[1])
             xy = np.stack([i, j], axis=1) * self.map.cell + self.map.corner
-            xy[cells < 0] = chosen[at[cells < 0], :2]
+            xy[owners == TABLE] = chosen[at[owners == TABLE], :2]
             result.place[rows[at]] = np.concatenate([xy, heights[pick][hit][:, None]], axis=1)
 
     def _between(self, grasps: NDArray[np.float64], rows: NDArray[np.intp], result: Prechecked) -> None:
@@ -221,12 +244,11 @@ class Precheck:
         if not len(rows):
             return
         chosen = grasps[rows]
-        widest = self._gripper.opening
         half = self._gripper.finger.y / 2
-        count = int(np.ceil(widest / self.map.cell)) + 1
-        across = np.linspace(-half, half, max(2, int(np.ceil(2 * half / self.map.cell)) + 1))
-        share = np.linspace(-0.5, 0.5, count)
-        local = np.stack(np.broadcast_arrays(share[:, None], across), axis=-1).reshape(-1, 2)
+        step = 2 * self.map.cell
+        count = int(np.ceil(self._gripper.opening / step)) + 1
+        across = np.linspace(-half, half, int(np.ceil(2 * half / step)) + 1)
+        local = np.stack(np.broadcast_arrays(np.linspace(-0.5, 0.5, count)[:, None], across), axis=-1).reshape(-1, 2)
         points = np.stack([chosen[:, 4, None] * local[:, 0], np.broadcast_to(local[:, 1], (len(rows), len(local)))], -1)
         _, heights = self._look(chosen, points)
         above: NDArray[np.bool_] = heights.reshape(len(rows), count, -1) > chosen[:, 2, None, None]
