@@ -27,6 +27,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "train all": ("train", "All", "train both networks and pack their weights"),
     "train pack": ("train", "Pack", "pack trained networks into one weights file"),
     "train assess": ("train", "Assess", "measure weights on a dataset, with figures"),
+    "trial": ("trial", "TrialCommand", "execute one grasp on one object in DART"),
     "benchmark success": ("benchmark_success", "BenchmarkSuccess", "success of planners on unseen objects, in DART"),
     "benchmark latency": ("benchmark_latency", "BenchmarkLatency", "how long a plan takes, by stage and backend"),
 }
