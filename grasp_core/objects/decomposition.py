@@ -1,13 +1,14 @@
 """Convex decomposition, made once per mesh, and the making of assets.
 
-CoACD runs in a process of its own that is killed at a time-out, with a fixed seed on one thread. Its result, or the
-fallback that was taken, is kept in the user's cache folder under the content of the mesh.
+CoACD runs in a process of its own that ends at a limit of processor time, with a fixed seed on one thread. Its result,
+or the fallback that was taken, is kept in the user's cache folder under the content of the mesh.
 """
 
 from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import math
 import os
 import signal
 import subprocess
@@ -28,17 +29,21 @@ from grasp_core.errors import MeshError
 from grasp_core.objects.asset import ObjectAsset, Part
 from grasp_core.objects.hulls import arrays, convex_part, mass_properties, solid
 
-VERSION = 1
+VERSION = 2
 """Raise this when the parts of a mesh would come out differently: it is part of the cache's key."""
 
-COACD = {
-    "threshold": 0.05,  # concavity that is let be, of the unit mesh
-    "resolution": 600,
-    "mcts_nodes": 10,
-    "mcts_iterations": 40,
-    "mcts_max_depth": 2,
-    "seed": 0,
+SETTINGS: dict[str, dict[str, float | int]] = {
+    "coacd": {"resolution": 400, "mcts_nodes": 8, "mcts_iterations": 20, "mcts_max_depth": 2, "preprocess": 24},
+    "coacd, coarse": {"resolution": 300, "mcts_nodes": 5, "mcts_iterations": 10, "mcts_max_depth": 1, "preprocess": 16},
 }
+"""CoACD's search, tried in this order: less effort when the first takes too long."""
+
+CONCAVITY = 0.05
+"""Concavity that CoACD lets be, in units of the mesh's longest side."""
+
+PATIENCE = 6.0
+"""A busy machine may take so many times longer, by the clock, than the processor time that is allowed."""
+
 NEARLY_CONVEX = 0.985
 """A closed body that fills this share of its hull is one part."""
 
@@ -71,13 +76,14 @@ def decompose(
     """Split a mesh into at most `max_parts` closed convex parts of at most `max_vertices` vertices.
 
     Meshes whose few bodies are convex already keep them. Everything else goes to CoACD; when that fails or takes
-    longer than `timeout_s`, each body becomes its hull (few bodies) or the whole mesh one hull, and `method` says so.
+    longer than `timeout_s`, it tries again coarsely; then each body becomes its hull (few bodies) or the whole mesh one
+    hull, and `method` says so.
 
     Args:
         mesh: any triangle mesh; it may be open, wound badly or of many bodies.
         max_parts: at most so many parts.
         max_vertices: at most so many vertices each.
-        timeout_s: seconds after which CoACD is killed.
+        timeout_s: seconds of processor time after which a run of CoACD is killed.
 
     Raises:
         MeshError: no faces, or coordinates that are not finite.
@@ -86,7 +92,7 @@ def decompose(
     low, size = mesh.bounds[0], float(mesh.extents.max())
     unit = np.round((mesh.vertices - low) / size, 6)
     key = hashlib.sha256(
-        f"{VERSION} {importlib.metadata.version('coacd')} {max_parts} {max_vertices} {timeout_s:g} {COACD}".encode()
+        f"{VERSION} {importlib.metadata.version('coacd')} {max_parts} {max_vertices} {timeout_s:g} {SETTINGS}".encode()
         + unit.tobytes()
         + np.asarray(mesh.faces, np.int32).tobytes()
     ).hexdigest()[:32]
@@ -131,12 +137,12 @@ def _decompose(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int, timeout
         preprocess = "off"
     else:
         vertices, faces, preprocess = np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32), "on"
-    hulls, why = _coacd(vertices, faces, preprocess, max_parts, timeout_s)
-    if not hulls and preprocess == "off" and "longer" not in why:
-        hulls, why = _coacd(vertices, faces, "on", max_parts, timeout_s)
-    if hulls:
-        parts = _solid_parts([convex_part(points, max_vertices) for points in hulls])
-        return Decomposition(tuple(parts), f"coacd: {len(parts)} parts")
+    for name in SETTINGS:
+        hulls, why = _coacd(vertices, faces, preprocess, name, max_parts, timeout_s)
+        if hulls:
+            parts = _solid_parts([convex_part(points, max_vertices) for points in hulls])
+            return Decomposition(tuple(parts), f"{name}: {len(parts)} parts")
+        preprocess = "on"
     if 1 < len(bodies) <= max_parts:
         parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
         return Decomposition(tuple(parts), f"hull: of each body, {why}")
@@ -165,19 +171,23 @@ def _solid_parts(parts: list[Part]) -> list[Part]:
 
 
 def _coacd(
-    vertices: NDArray, faces: NDArray, preprocess: str, max_parts: int, timeout_s: float
+    vertices: NDArray, faces: NDArray, preprocess: str, settings: str, max_parts: int, timeout_s: float
 ) -> tuple[list[NDArray[np.float64]], str]:
     """Hull points of CoACD's parts, or an empty list and the reason."""
     with tempfile.TemporaryDirectory(prefix="grasp-parts-") as folder:
         given, made = Path(folder) / "mesh.npz", Path(folder) / "parts.npz"
         np.savez(given, vertices=vertices, faces=faces)
         command = [sys.executable, "-m", "grasp_core.objects.decomposition", str(given), str(made)]
-        command += [preprocess, str(max_parts), str(timeout_s)]
+        command += [preprocess, settings, str(max_parts), str(timeout_s)]
         paths = os.pathsep.join(path for path in sys.path if path)
         environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": paths}
         try:
-            done = subprocess.run(command, env=environment, capture_output=True, timeout=timeout_s, check=False)
+            done = subprocess.run(
+                command, env=environment, capture_output=True, timeout=PATIENCE * timeout_s, check=False
+            )
         except subprocess.TimeoutExpired:
+            return [], f"CoACD took longer than {timeout_s:g} s"
+        if -done.returncode in (getattr(signal, "SIGXCPU", None), signal.SIGKILL if os.name == "posix" else None):
             return [], f"CoACD took longer than {timeout_s:g} s"
         if done.returncode or not made.is_file():
             return [], f"CoACD failed (status {done.returncode})"
@@ -185,22 +195,29 @@ def _coacd(
             return [found[name] for name in sorted(found.files)], ""
 
 
-def _child(given: str, made: str, preprocess: str, max_parts: str, timeout_s: str) -> None:
-    """What runs in CoACD's own process; ends itself when its parent could not end it."""
-    if hasattr(signal, "alarm"):
-        signal.alarm(int(float(timeout_s)) + 5)
+def _child(given: str, made: str, preprocess: str, settings: str, max_parts: str, timeout_s: str) -> None:
+    """What runs in CoACD's own process; it ends itself at its limit, also when its parent is gone."""
+    try:
+        import resource
+
+        limit = math.ceil(float(timeout_s))
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+    except ImportError:  # not on Windows, where the parent's clock must do
+        pass
     import coacd
 
     coacd.set_log_level("error")
-    with np.load(given) as arrays_:
-        mesh = coacd.Mesh(arrays_["vertices"], arrays_["faces"])
-    found = coacd.run_coacd(
-        mesh,
-        max_convex_hull=int(max_parts),
-        preprocess_mode=preprocess,
-        preprocess_resolution=40 if len(mesh.indices) < 2000 else 30,
-        **COACD,
-    )
+    search = dict(SETTINGS[settings])
+    with np.load(given) as mesh:
+        found = coacd.run_coacd(
+            coacd.Mesh(mesh["vertices"], mesh["faces"]),
+            threshold=CONCAVITY,
+            max_convex_hull=int(max_parts),
+            preprocess_mode=preprocess,
+            preprocess_resolution=search.pop("preprocess"),
+            seed=0,
+            **search,
+        )
     np.savez(made, **{f"{i:03d}": np.asarray(vertices) for i, (vertices, _) in enumerate(found)})  # type: ignore[arg-type]
 
 
