@@ -133,36 +133,64 @@ def _whole_things(rectified: Rectified, raised: NDArray[np.bool_], least_area: i
     A surface ends at a step in depth, so that what merely touches a cut-off thing stays. Small areas left close to one
     are taken for its torn-off pieces.
     """
-    _, labels, area = _components(raised)
-    large = area >= least_area
-    large[0] = False
-    things = large[labels]
-    depth = rectified.image.depth
-    step = cv2.dilate(depth, _SQUARE) - cv2.erode(depth, _SQUARE)
-    count, labels, area = _components(things & (step < _STEP_DEPTH))
+    places = np.zeros_like(raised)
+    inside = _bounds(raised)
+    if inside is None:
+        return places
+    things = _large(raised[inside], least_area)
+    at_border = np.zeros_like(raised)
     start, target = rectified.moved
+    at_border.reshape(-1)[target[rectified.rim.reshape(-1)[start]]] = True
+    for side in (at_border[:_RIM], at_border[-_RIM:], at_border[:, :_RIM], at_border[:, -_RIM:]):
+        side[:] = True
+    at_border = at_border[inside] & things
+    if at_border.any():
+        whole = _without_cut(things, at_border, rectified.image.depth[inside], least_area)
+        things = whole if whole.any() else things
+    places[inside] = things
+    return places
+
+
+def _without_cut(
+    things: NDArray[np.bool_], at_border: NDArray[np.bool_], depth: NDArray[np.float32], least_area: int
+) -> NDArray[np.bool_]:
+    """Things (h, w) without the surfaces that hold a pixel `at_border`, and without their pieces."""
+    step = cv2.dilate(depth, _SQUARE) - cv2.erode(depth, _SQUARE)
+    count, labels = _components(things & (step < _STEP_DEPTH))
     cut = np.zeros(count, bool)
-    cut[labels.reshape(-1)[target[rectified.rim.reshape(-1)[start]]]] = True
-    for side in (labels[:_RIM], labels[-_RIM:], labels[:, :_RIM], labels[:, -_RIM:]):
-        cut[side] = True
+    cut[labels[at_border]] = True
     cut[0] = False
-    if not cut.any():
-        return things
-    lost = cut[labels].view(np.uint8)
+    lost = (cut[labels] | at_border).view(np.uint8)
     whole = things & (cv2.dilate(lost, _SQUARE, iterations=2) == 0)
-    count, labels, area = _components(whole)
+    count, labels = _components(whole)
     near = np.zeros(count, bool)
     near[labels[cv2.dilate(lost, _PIECE_REACH) > 0]] = True
-    large = area >= np.where(near, _PIECE_AREA, least_area)
+    large = np.bincount(labels.reshape(-1), minlength=count) >= np.where(near, _PIECE_AREA, least_area)
     large[0] = False
-    whole = large[labels]
-    return whole if whole.any() else things
+    return np.asarray(large[labels])
 
 
-def _components(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.int32], NDArray[np.int32]]:
-    """Number of connected areas with the background, label (H, W) of every pixel, and area of each label."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
-    return count, np.asarray(labels, np.int32), np.asarray(stats[:, cv2.CC_STAT_AREA], np.int32)
+def _large(mask: NDArray[np.bool_], least_area: int) -> NDArray[np.bool_]:
+    """The connected areas of a mask that have at least that many pixels."""
+    count, labels = _components(mask)
+    large = np.bincount(labels.reshape(-1), minlength=count) >= least_area
+    large[0] = False
+    return np.asarray(large[labels])
+
+
+def _bounds(mask: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+    """Rows and columns that hold all true pixels, with a border of one where there is room; None for none."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if not len(rows):
+        return None
+    return slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(columns[0] - 1, 0), columns[-1] + 2)
+
+
+def _components(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.int32]]:
+    """Number of connected areas with the background, and the label (H, W) of every pixel."""
+    image = np.ascontiguousarray(mask).view(np.uint8)
+    count, labels = cv2.connectedComponents(image, connectivity=8, ltype=cv2.CV_32S)
+    return count, np.asarray(labels, np.int32)
 
 
 def _window(inside: NDArray[np.intp], size: int) -> slice:
