@@ -69,7 +69,7 @@ class LabelEvents(Content):
         with self.transaction():
             if seen_event is not None:
                 self._refuse_unseen(grasp_id, seen_event)
-            return self._add_event(grasp_id, person, "human", kind, value, reason, note, None, batch, details or {})
+            return self.append_event(grasp_id, person, "human", kind, value, reason, note, None, batch, details or {})
 
     def revert(self, event_id: int, person: str, *, reason: str = "", batch: str | None = None) -> LabelEvent:
         """Take an event back; reverting a revert event brings back what it took.
@@ -81,19 +81,19 @@ class LabelEvents(Content):
             row = self.row("SELECT grasp FROM label_events WHERE id = ?", (event_id,))
             if row is None:
                 raise StoreError(f"{self.path}: holds no label event {event_id}")
-            return self._add_event(row["grasp"], person, "human", "revert", None, reason, "", event_id, batch, {})
+            return self.append_event(row["grasp"], person, "human", "revert", None, reason, "", event_id, batch, {})
 
     def _refuse_unseen(self, grasp_id: int, seen_event: int) -> None:
-        newer = tuple(event for event in self.history(grasp_id) if event.id > seen_event)
+        newer = sorted((e for e in self.history(grasp_id) if e.id > seen_event), key=lambda event: event.id)
         if newer:
             last = newer[-1]
             raise LabelConflict(
                 f"{last.person or 'DART'} changed this sample meanwhile ({last.kind}"
                 f"{'' if last.value is None else f' {last.value:g}'}); look at both and decide again",
-                newer,
+                tuple(newer),
             )
 
-    def _add_event(
+    def append_event(
         self,
         grasp_id: int,
         person: str | None,
@@ -118,7 +118,7 @@ class LabelEvents(Content):
             id=self._db.execute("SELECT coalesce(max(id), 0) + 1 FROM label_events").fetchone()[0],
             uid=uid or uuid.uuid4().hex,
             grasp=grasp_id,
-            at=now_ms() if at is None else at,
+            at=max([now_ms(), *(other.at + 1 for other in known)]) if at is None else at,
             person=person,
             source="human" if source == "human" else "dart",
             kind=kind,
@@ -194,7 +194,7 @@ class LabelEvents(Content):
                 known = self.history(grasp)
                 counts = self._pooled(grasp, standing(known))
                 label = current_label(known, counts["SUCCESS"], sum(counts[name] for name in VERDICTS))
-                self._write_label(grasp, label, counts, len(known), known[-1].id)
+                self._write_label(grasp, label, counts, len(known), max(event.id for event in known))
 
     def differing_labels(self) -> list[int]:
         """Ids of grasps whose row in `samples` is not what attempts and label events say."""
@@ -217,7 +217,7 @@ class LabelEvents(Content):
 
     def history(self, grasp_id: int) -> list[LabelEvent]:
         """All label events of a sample, oldest first."""
-        return self._events("WHERE e.grasp = ? ORDER BY e.id", (grasp_id,))
+        return self._events("WHERE e.grasp = ? ORDER BY e.at, e.uid", (grasp_id,))
 
     def events_of(self, person: str, *, before: int | None = None, limit: int = 100) -> list[LabelEvent]:
         """A person's events, newest first; `before` is the id of the last one of the page before."""
@@ -273,7 +273,7 @@ class LabelEvents(Content):
             if twice:
                 raise StoreError(f"seed {twice[0]} stands twice for this grasp: give attempts with fresh seeds")
             more = {"seeds": seeds, **(details or {})}
-            return self._add_event(
+            return self.append_event(
                 grasp_id, person, "dart", "attempts", None, reason, "", None, None, more, attempts=attempts
             )
 

@@ -89,23 +89,26 @@ class CurrentLabel(msgspec.Struct, frozen=True):
 
 
 def standing(events: Sequence[LabelEvent]) -> list[LabelEvent]:
-    """Those of one sample's events (oldest first) that no standing event reverts, oldest first."""
-    taken_back: set[int] = set()
-    kept: list[LabelEvent] = []
-    for event in reversed(events):  # only later events revert earlier ones
-        if event.id in taken_back:
-            continue
+    """Those of one sample's events that no standing event reverts, oldest first.
+
+    The order is that of their times, so that copies of a dataset that exchange their events agree on the newest.
+    """
+    reverted_by: dict[int, list[LabelEvent]] = {}
+    for event in events:
         if event.reverts is not None:
-            taken_back.add(event.reverts)
-        kept.append(event)
-    return kept[::-1]
+            reverted_by.setdefault(event.reverts, []).append(event)
+
+    def stands(event: LabelEvent) -> bool:  # ends: an event can only revert one that was there before it
+        return not any(stands(later) for later in reverted_by.get(event.id, ()))
+
+    return sorted((event for event in events if stands(event)), key=lambda event: (event.at, event.uid))
 
 
 def current_label(events: Sequence[LabelEvent], successes: int, attempts: int) -> CurrentLabel:
     """Apply the rule.
 
     Args:
-        events: all events of one sample, oldest first.
+        events: all events of one sample.
         successes: of all its attempts with a verdict, those of generation and those of people's verifications.
         attempts: how many have a verdict.
     """

@@ -6,7 +6,6 @@ any executor, any machine and any interruption end in the same content.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 from pathlib import Path
 from typing import Literal
@@ -15,13 +14,10 @@ import msgspec
 
 from grasp_core import config
 from grasp_core.dataset.rows import SPLITS, Split
-from grasp_core.errors import ConfigError
+from grasp_core.errors import ConfigError, MeshError
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.planning.crops import DepthRule
 from grasp_core.simulation.trial import GraspNoise
-
-MESHES = (".off", ".obj", ".stl", ".ply", ".gltf", ".glb", ".urdf")
-"""File endings that folders are searched for."""
 
 
 class Folder(config.Settings):
@@ -147,7 +143,7 @@ class ObjectPlan(msgspec.Struct, frozen=True):
             return make(self.family, self.seed)
         from grasp_core.objects.library import load_object
 
-        return dataclasses.replace(load_object(Path(self.file), scale=self.scale, seed=self.seed), name=self.name)
+        return load_object(Path(self.file), scale=self.scale, seed=self.seed, name=self.name)
 
 
 def name_seed(seed: int, *names: str) -> int:
@@ -206,12 +202,13 @@ def _families() -> set[str]:
 
 
 def _folder_plans(recipe: Recipe, split: Split, folder: Folder) -> list[ObjectPlan]:
+    from grasp_core.objects.library import find_files
+
     root = Path(folder.path)
-    if not root.is_dir():
-        raise ConfigError(f"recipe '{recipe.name}': {root} is no folder; mend the path")
-    found = sorted(path for path in root.rglob("*") if path.suffix.lower() in MESHES)
-    if not found:
-        raise ConfigError(f"recipe '{recipe.name}': {root} holds no mesh ({', '.join(MESHES)})")
+    try:
+        found = find_files(root)
+    except MeshError as error:
+        raise ConfigError(f"recipe '{recipe.name}': {error}") from error
     plans = []
     for path in found[: folder.most]:
         name = path.relative_to(root).with_suffix("").as_posix()
