@@ -17,7 +17,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from grasp_core.camera import Camera, DepthImage, load_camera
+from grasp_core.camera import Camera, DepthImage
 from grasp_core.errors import GraspError
 from grasp_core.evaluation.scenes import SceneSpec, make_scene, over_the_table
 from grasp_core.evaluation.seeds import generator
@@ -58,7 +58,7 @@ class Latency(msgspec.Struct, frozen=True):
         exhaustive_median_ms: of a plan by exhaustive search with the same network.
         exhaustive_candidates: grasps that it scored, median.
         exhaustive_ratio: how many times longer it takes.
-        first_plan_ms: from the start of a new process to its first plan.
+        first_plan_ms: of a new process of `grasp-core plan`, from its start to its end.
         backends: every backend that is installed.
         images: that were planned on.
         repeats: plans an image.
@@ -127,26 +127,13 @@ def time_planner(planner: Planner, images: Sequence[DepthImage], repeats: int, s
     )
 
 
-def first_plan(folder: Path, gripper: str, weights: str) -> None:
-    """What a new process does when it is timed: load everything and plan on `depth.npy` seen by `camera.yaml`."""
-    from grasp_core.gripper import load_gripper
-    from grasp_core.sensing.preprocess import read_depth
-
-    image = read_depth(folder / "depth.npy", load_camera(folder / "camera.yaml"))
-    plan = make_planner("cascade", gripper=load_gripper(gripper), weights=weights)(image, rng=np.random.default_rng(0))
-    print(len(plan.scored))
-
-
 def time_first_plan(image: DepthImage, gripper: str, weights: str) -> float:
-    """Milliseconds from the start of a new Python process to the end of its first plan.
+    """Milliseconds that a new process of `grasp-core plan` takes from its start to its end.
 
     Raises:
         GraspError: the process failed.
     """
-    code = (
-        "import sys; from pathlib import Path; from grasp_core.evaluation.latency import first_plan;"
-        " first_plan(Path(sys.argv[1]), sys.argv[2], sys.argv[3])"
-    )
+    code = "import sys; from grasp_core.cli import main; sys.exit(main(sys.argv[1:]))"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         np.save(folder / "depth.npy", np.where(image.valid, image.depth, np.nan))
@@ -157,11 +144,13 @@ def time_first_plan(image: DepthImage, gripper: str, weights: str) -> float:
         if pose is not None:
             fields["world_from_camera"] = pose.tolist()
         (folder / "camera.yaml").write_bytes(msgspec.yaml.encode(fields))
+        words = ["plan", str(folder / "depth.npy"), "--camera", str(folder / "camera.yaml"), "--json"]
+        words += ["--gripper", gripper, "--weights", weights]
         start = time.perf_counter()
-        done = subprocess.run([sys.executable, "-c", code, name, gripper, weights], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
         elapsed = (time.perf_counter() - start) * 1000
     if done.returncode:
-        raise GraspError(f"a new process could not plan: {done.stderr.strip().splitlines()[-1:]}")
+        raise GraspError(f"a new process could not plan: {done.stderr.strip()}")
     return round(elapsed, 1)
 
 

@@ -65,7 +65,8 @@ def run_benchmark(
         if isinstance(judged, str):
             refused[items[index].spec.name] = judged
         else:
-            log.add(judged.scene)
+            if log.scenes.get(judged.scene.spec.name) != judged.scene:
+                log.add(judged.scene)
             for plan in judged.plans:
                 log.add(plan)
         tell("scenes", done, len(items))

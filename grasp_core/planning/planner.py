@@ -104,6 +104,7 @@ class Planner(Protocol):
 
 PLANNERS: dict[str, tuple[str, str]] = {
     "cascade": ("grasp_core.planning.cascade", "CascadePlanner"),
+    "exhaustive": ("grasp_core.planning.baselines.exhaustive", "ExhaustivePlanner"),
     "random": ("grasp_core.planning.baselines.random", "RandomPlanner"),
     "centroid": ("grasp_core.planning.baselines.centroid", "CentroidPlanner"),
     "antipodal": ("grasp_core.planning.baselines.antipodal", "AntipodalPlanner"),
