@@ -115,7 +115,8 @@ class CascadePlanner:
         if isinstance(view, Plan):
             return view
         with stages.stage("quality map"):
-            heat = self.runtime.quality_map(regression_input(view.depth)[None])[0]
+            heat = np.zeros(view.places.shape, np.float32)
+            heat[view.core] = self.runtime.quality_map(regression_input(view.depth[view.core])[None])[0]
         search = _Search(view, heat)
         for batch in self._regions(search, stages, rng):
             with stages.stage("crops"):

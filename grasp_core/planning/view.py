@@ -17,10 +17,12 @@ from grasp_core.sensing.rectify import Rectified, rectify
 
 _MARGIN = 96
 """Pixels around the places in the window: what a crop there can reach."""
+_SIGHT = 48
+"""Pixels from which the Regression Network takes its value at one."""
 _LEAST_WINDOW = 300
 """Pixels: the training size."""
-_STEP = 32
-"""Pixels: windows grow in steps, so that a network meets few sizes."""
+_STEP = 36
+"""Pixels: windows grow in steps, so that a network meets few sizes; a multiple of its stride."""
 _RIM = 3
 """Pixels: what comes this near to the border of the canvas is cut off."""
 _STEP_DEPTH = 0.012
@@ -73,6 +75,13 @@ class TableView:
     camera: Camera
 
     @property
+    def core(self) -> tuple[slice, slice]:
+        """Rows and columns of the window that decide the quality map of the places: they reach as far as it looks."""
+        rows, columns = np.flatnonzero(self.places.any(axis=1)), np.flatnonzero(self.places.any(axis=0))
+        height, width = self.places.shape
+        return _stretch(rows, height, _SIGHT, 0), _stretch(columns, width, _SIGHT, 0)
+
+    @property
     def depth(self) -> NDArray[np.float32]:
         """The window's depth (h, w), metres, without holes."""
         return self.rectified.image.depth[self.rows, self.columns]
@@ -112,8 +121,8 @@ def look(
             f"no object above the table: nothing seen{where} stands more than"
             f" {settings.least_height * 1000:.0f} mm above it"
         )
-    rows = _window(np.flatnonzero(places.any(axis=1)), places.shape[0])
-    columns = _window(np.flatnonzero(places.any(axis=0)), places.shape[1])
+    rows = _stretch(np.flatnonzero(places.any(axis=1)), places.shape[0], _MARGIN, _LEAST_WINDOW)
+    columns = _stretch(np.flatnonzero(places.any(axis=0)), places.shape[1], _MARGIN, _LEAST_WINDOW)
     canvas = rectified.image.camera
     k = msgspec.structs.replace(
         canvas.intrinsics,
@@ -193,12 +202,10 @@ def _components(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.int32]]:
     return count, np.asarray(labels, np.int32)
 
 
-def _window(inside: NDArray[np.intp], size: int) -> slice:
+def _stretch(inside: NDArray[np.intp], size: int, margin: int, least: int) -> slice:
     """Stretch of an axis that holds the indices `inside` with a margin, in steps of sizes where there is room."""
-    low, high = int(inside[0]) - _MARGIN, int(inside[-1]) + 1 + _MARGIN
-    want = max(high - low, _LEAST_WINDOW)
-    if want > _LEAST_WINDOW:
-        want += -want % _STEP
-    want = min(want, size)
+    low, high = int(inside[0]) - margin, int(inside[-1]) + 1 + margin
+    want = high - low
+    want = min(max(want + -want % _STEP, least), size)
     start = min(max((low + high - want) // 2, 0), size - want)
     return slice(start, start + want)

@@ -37,6 +37,16 @@ def test_the_window_holds_all_places_with_a_margin_and_its_camera_fits(photo, ma
     assert np.array_equal(view.surface, surface_map(view.depth))
 
 
+def test_the_core_holds_the_places_with_what_the_network_sees_around_them(photo, make_box):
+    _, view = look(photo(make_box(0.05, -0.04)), None, SETTINGS)
+    rows, columns = view.core
+    inside = view.places[rows, columns]
+    assert inside.sum() == view.places.sum() and inside.shape < view.places.shape
+    assert inside.shape[0] % 36 == 0 and inside.shape[1] % 36 == 0
+    v, u = np.nonzero(inside)
+    assert min(v.min(), u.min(), inside.shape[0] - 1 - v.max(), inside.shape[1] - 1 - u.max()) >= 47
+
+
 def test_a_small_thing_gets_a_window_of_the_training_size(photo, make_box):
     _, view = look(photo(make_box(0.0, 0.0, (0.03, 0.03, 0.03))), None, SETTINGS)
     assert view.places.shape == (300, 300)
