@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from grasp_core.simulation.settling import StablePose
     from grasp_core.simulation.trial import Attempt, GraspTrial
 
-DROPS = 24
-"""Random drops that find an object's stable poses: half a second to two, where a dataset takes its time."""
+DROPS = 16
+"""Random drops that find an object's stable poses: about a second, where a dataset takes its time."""
 SPREAD = 0.04
 """Metres from the table's centre within which objects are placed, along x and y."""
 TRIAL_SEED = 0

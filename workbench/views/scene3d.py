@@ -20,6 +20,7 @@ from workbench.views import colours
 
 _GRIPPER_PARTS = ("left_finger", "right_finger", "rod", "base")
 _MOST_OBJECTS = 8
+_MOST_SMOOTHED = 50_000
 _METRES_PER_NEWTON = 0.004
 _FAR_AWAY = np.array([[0.0, 0.0, -10.0]])
 
@@ -43,6 +44,15 @@ def fork(gripper: Gripper) -> trimesh.Trimesh:
         np.concatenate([box.faces + 8 * number for number, box in enumerate(boxes)]),
         process=False,
     )
+
+
+def shaded(mesh: trimesh.Trimesh) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """Vertices and faces to be shown: sharp edges are cut apart, so that light does not run round them."""
+    if len(mesh.faces) > _MOST_SMOOTHED:
+        return np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32)
+    merged = trimesh.Trimesh(mesh.vertices, mesh.faces)  # joins equal corners, without which nothing is smooth
+    cut = trimesh.graph.smooth_shade(merged, angle=math.radians(35))
+    return np.asarray(cut.vertices, np.float32), np.asarray(cut.faces, np.uint32)
 
 
 def batch(grasps: list[Grasp], hidden: int | None) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -152,12 +162,8 @@ class Scene3d:
                 put(handle, visible=False)
                 continue
             placed = opened.scene.objects[slot]
-            put(
-                handle,
-                vertices=np.asarray(placed.asset.vertices, np.float32),
-                faces=np.asarray(placed.asset.faces, np.uint32),
-                visible=True,
-            )
+            vertices, faces = shaded(placed.asset.mesh)
+            put(handle, vertices=vertices, faces=faces, visible=True)
             self._place(handle, placed.world_from_object)
 
     def _place(self, handle: object, transform: NDArray[np.float64]) -> None:

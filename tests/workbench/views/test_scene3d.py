@@ -2,11 +2,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 from grasp_core.gripper import load_gripper
 from workbench.actions import Select
 from workbench.state import Playback
-from workbench.views.scene3d import Scene3d, batch, forces, fork, frame_at
+from workbench.views.scene3d import Scene3d, batch, forces, fork, frame_at, shaded
 
 
 def test_the_fork_is_as_wide_as_the_gripper_opens():
@@ -14,6 +15,13 @@ def test_the_fork_is_as_wide_as_the_gripper_opens():
     assert np.ptp(small.vertices[:, 0]) == pytest.approx(0.10, abs=0.005)
     assert small.vertices[:, 2].min() == pytest.approx(0.0)
     assert small.is_watertight
+
+
+def test_sharp_edges_are_cut_and_round_ones_kept():
+    box, ball = trimesh.creation.box(), trimesh.creation.icosphere(subdivisions=3)
+    assert len(shaded(box)[0]) == 24
+    vertices, faces = shaded(ball)
+    assert len(vertices) == len(ball.vertices) and len(faces) == len(ball.faces)
 
 
 def test_forks_stand_at_their_grasps_and_the_selected_one_is_hidden(opened):
