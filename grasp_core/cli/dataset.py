@@ -95,7 +95,6 @@ class Verify:
     def run(self) -> int:
         """Print what is wrong."""
         import msgspec
-        from tqdm import tqdm
 
         from grasp_core.dataset.store import DatasetStore
         from grasp_core.dataset.verify import verify
@@ -104,17 +103,12 @@ class Verify:
 
         gripper = None if self.gripper is None else load_gripper(self.gripper)
         physics = None if self.physics is None else load_physics(self.physics)
-        with DatasetStore.open(self.path, readonly=not self.mend) as store, tqdm(unit="file", leave=False) as bar:
+        with DatasetStore.open(self.path, readonly=not self.mend) as store, Bar("file") as bar:
             if self.mend:
                 store.rebuild_labels()
                 if weights := store.meta.weights:
                     store.use_weights(weights)
-
-            def show(done: int, total: int) -> None:
-                bar.total = total
-                bar.update(done - bar.n)
-
-            findings = verify(store, gripper=gripper, physics=physics, progress=show)
+            findings = verify(store, gripper=gripper, physics=physics, progress=bar)
             digest = None if findings else store.content_digest()
         if self.json:
             print(msgspec.json.encode({"path": str(self.path), "findings": findings, "content": digest}).decode())
@@ -124,3 +118,147 @@ class Verify:
         else:
             print(f"{self.path}: nothing is wrong; content {digest}")
         return 2 if findings else 0
+
+
+@dataclass(frozen=True)
+class Restore:
+    """Rebuild a dataset from its labels archive: images are rendered anew, no physics is run."""
+
+    archive: Annotated[str, tyro.conf.Positional] = "default"
+    """name of a shipped archive, or a path that ends in .xz"""
+    out: Path | None = None
+    """folder of the dataset; by default one named after the archive in the user's data folder"""
+    sample: bool = False
+    """only the scenes of the small sample dataset"""
+    workers: int | None = None
+    """local processes, by default one per core; 0 works in this process"""
+
+    def run(self) -> int:
+        """Restore, with a progress bar on stderr."""
+        from grasp_core.dataset.archive import read_archive
+        from grasp_core.dataset.restore import restore, sample_scenes
+        from grasp_core.dataset.store import datasets_folder
+        from grasp_core.parallel import Executor
+
+        archive = read_archive(self.archive)
+        path = self.out or datasets_folder() / (archive.head.name + ("-sample" if self.sample else ""))
+        only = sample_scenes(archive) if self.sample else None
+        with (
+            Bar("scene") as bar,
+            restore(archive, path, only=only, executor=Executor(self.workers), progress=bar) as store,
+        ):
+            print(
+                f"{path}: {len(store.scenes())} scenes, {len(store.objects())} objects; labels {store.labels_digest()}"
+            )
+        return 0
+
+
+@dataclass(frozen=True)
+class Archive:
+    """Write the labels archive of a dataset, from which `restore` rebuilds it."""
+
+    path: Annotated[Path, tyro.conf.Positional]
+    """folder of the dataset"""
+    file: Annotated[Path, tyro.conf.Positional]
+    """archive to write, NAME.npz.xz"""
+
+    def run(self) -> int:
+        """Write it."""
+        from grasp_core.dataset.archive import write_archive
+        from grasp_core.dataset.store import DatasetStore
+
+        with DatasetStore.open(self.path, readonly=True) as store:
+            size = write_archive(store, self.file)
+        print(f"{self.file}: {size / 1e6:.2f} MB")
+        return 0
+
+
+@dataclass(frozen=True)
+class Merge:
+    """Add everything of other datasets to a dataset: objects, scenes, label events."""
+
+    into: Annotated[Path, tyro.conf.Positional]
+    """folder of the dataset that grows"""
+    sources: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    """folders of the datasets to add"""
+
+    def run(self) -> int:
+        """Merge, with a progress bar on stderr."""
+        from contextlib import ExitStack
+
+        from grasp_core.dataset.merge import merge
+        from grasp_core.dataset.store import DatasetStore
+
+        with ExitStack() as stack:
+            target = stack.enter_context(DatasetStore.open(self.into))
+            sources = [stack.enter_context(DatasetStore.open(path, readonly=True)) for path in self.sources]
+            results = merge(target, sources, progress=stack.enter_context(Bar("scene")))
+            for path, result in zip(self.sources, results, strict=True):
+                print(
+                    f"{path}: {result.objects} objects, {result.scenes} scenes and {result.events} label events added,"
+                    f" {result.known} scenes were there"
+                )
+                for reason, count in result.left_out.items():
+                    print(f"  {count} label events left out: {reason}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write all label events to a JSON Lines file, for another copy of the dataset."""
+
+    path: Annotated[Path, tyro.conf.Positional]
+    """folder of the dataset"""
+    file: Annotated[Path, tyro.conf.Positional]
+    """file to write"""
+
+    def run(self) -> int:
+        """Export."""
+        from grasp_core.dataset.exchange import export_events
+        from grasp_core.dataset.store import DatasetStore
+
+        with DatasetStore.open(self.path, readonly=True) as store:
+            print(f"{self.file}: {export_events(store, self.file)} label events")
+        return 0
+
+
+@dataclass(frozen=True)
+class Import:
+    """Add the label events of a JSON Lines file that are not there yet."""
+
+    path: Annotated[Path, tyro.conf.Positional]
+    """folder of the dataset"""
+    file: Annotated[Path, tyro.conf.Positional]
+    """file that `export` wrote"""
+
+    def run(self) -> int:
+        """Import."""
+        from grasp_core.dataset.exchange import import_events
+        from grasp_core.dataset.store import DatasetStore
+
+        with DatasetStore.open(self.path) as store:
+            result = import_events(store, self.file)
+        print(f"{result.added} label events added, {result.known} were there")
+        for reason, count in result.left_out.items():
+            print(f"{count} left out: {reason}")
+        return 0
+
+
+class Bar:
+    """A progress bar on stderr, fed with (done, total)."""
+
+    def __init__(self, unit: str) -> None:
+        from tqdm import tqdm
+
+        self._bar = tqdm(unit=unit)
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show how far it is."""
+        self._bar.total = total
+        self._bar.update(done - self._bar.n)
+
+    def __enter__(self) -> Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()

@@ -1,7 +1,7 @@
 """Label events as JSON Lines: work done on one copy of a dataset goes into another, in any order, any number of times.
 
-A line is one event with the scene's name and the grasp's number, which are the same in every copy, with the grasp (those
-that people made travel with their labels) and with the attempts that the event asked for.
+A line is one event with the scene's name and the grasp's number, which are the same in every copy, the grasp itself
+(those that people made travel with their labels) and with the attempts that the event asked for.
 """
 
 from __future__ import annotations

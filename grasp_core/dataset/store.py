@@ -165,3 +165,19 @@ class DatasetStore(Lists):
         for scene in self.rows("SELECT id, name FROM scenes ORDER BY name"):
             h.update(f"{scene['name']}\t{self.scene_digest(scene['id'])}\n".encode())
         return h.hexdigest()
+
+    def labels_digest(self) -> str:
+        """A hash of every generated attempt's outcome and seed, by the names of scenes and numbers of grasps.
+
+        Equal for a dataset and what `restore` rebuilds from its archive.
+        """
+        h = hashlib.sha256()
+        for scene in self.rows("SELECT id, name FROM scenes ORDER BY name"):
+            found = self.rows(
+                """SELECT grasps.number, attempts.number, outcome, seed FROM grasps
+                   JOIN attempts ON attempts.grasp = grasps.id
+                   WHERE scene = ? AND origin = 'grid' AND event IS NULL ORDER BY 1, 2""",
+                (scene["id"],),
+            )
+            h.update(scene["name"].encode() + b"\t" + msgspec.json.encode([tuple(row) for row in found]) + b"\n")
+        return h.hexdigest()

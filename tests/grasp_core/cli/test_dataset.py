@@ -41,3 +41,25 @@ def test_missing_dataset_is_a_clear_error(tmp_path, capsys):
     for command in ("info", "verify"):
         assert main(["dataset", command, str(tmp_path)]) == 2
         assert "holds no dataset" in capsys.readouterr().err
+
+
+def test_archive_restore_and_merge(dataset, tmp_path, capsys):
+    archive = tmp_path / "tiny.npz.xz"
+    assert main(["dataset", "archive", str(dataset), str(archive)]) == 0
+    assert archive.stat().st_size < 100_000
+    for flags, folder in (([], "whole"), (["--sample"], "sample")):
+        out = tmp_path / folder
+        assert main(["dataset", "restore", str(archive), "--out", str(out), "--workers", "0", *flags]) == 0
+        with DatasetStore.open(out, readonly=True) as a, DatasetStore.open(dataset, readonly=True) as b:
+            assert a.labels_digest() == b.labels_digest()
+    capsys.readouterr()
+    assert main(["dataset", "merge", str(tmp_path / "whole"), str(tmp_path / "sample")]) == 0
+    assert "0 objects, 0 scenes and 0 label events added, 1 scenes were there" in capsys.readouterr().out
+
+
+def test_export_and_import(dataset, tmp_path, capsys):
+    with DatasetStore.open(dataset) as store:
+        store.add_label(1, "ann", 0.5)
+    assert main(["dataset", "export", str(dataset), str(tmp_path / "e.jsonl")]) == 0
+    assert main(["dataset", "import", str(dataset), str(tmp_path / "e.jsonl")]) == 0
+    assert "0 label events added, 1 were there" in capsys.readouterr().out
