@@ -175,7 +175,7 @@ def train_one(network: Literal["regression", "refined"], options: _Common, setti
         gripper=corpus.gripper.name,
         gripper_digest=corpus.gripper.digest,
         physics=corpus.physics,
-        recipe={**corpus.recipe, "settings": settings, "seed": seed},
+        recipe={**corpus.recipe, "settings": Path(settings).stem, "seed": seed},
     )
     if isinstance(chosen, RefinedSettings):
         task, fit = train_refined(
@@ -192,6 +192,7 @@ def train_one(network: Literal["regression", "refined"], options: _Common, setti
         test = map_task.measures(graspable) if graspable else {}
         network_module = map_task.network
     metrics = {**fit.metrics, **{f"test_{key}": value for key, value in test.items()}}
+    part = msgspec.structs.replace(part, recipe={**part.recipe, "epochs": len(fit.history)})
     part = msgspec.structs.replace(part, metrics={key: round(value, 5) for key, value in metrics.items()})
     path = save_part(options.out, network_module, part)
     return {"network": str(path), "epochs": len(fit.history), "stopped": fit.stopped, **part.metrics}
