@@ -1,15 +1,16 @@
-"""Who touches whom: DART's contacts between fingers and objects, in our terms."""
+"""Who touches whom: contacts between fingers and objects, and what they say about a finger's hold."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grasp_core.simulation.evidence import FingerContact, contact_kind, triple
 from grasp_core.simulation.gripper_model import FINGERS
-from grasp_core.simulation.world import World
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,10 @@ def _split(name: str) -> tuple[str, str]:
     return owner, rest
 
 
-def touches(world: World) -> list[Touch]:
-    """Contacts of the last step between fingers and objects; normals point out of the object."""
+def touches(contacts: Iterable[Any]) -> list[Touch]:
+    """DART's contacts between fingers and objects; normals point out of the object."""
     found = []
-    for contact in world.world.getLastCollisionResult().getContacts():
+    for contact in contacts:
         first, _ = _split(contact.collisionObject1.getShapeFrame().getName())
         second, _ = _split(contact.collisionObject2.getShapeFrame().getName())
         # DART's normal and force point from the second body to the first.
@@ -53,10 +54,10 @@ def touches(world: World) -> list[Touch]:
     return found
 
 
-def touched(world: World) -> tuple[set[int], set[int]]:
-    """Indices of the objects that the left and the right finger touch."""
+def touched(contacts: Iterable[Any]) -> tuple[set[int], set[int]]:
+    """Indices of the objects that the left and the right finger touch, from DART's contacts."""
     sides: tuple[set[int], set[int]] = (set(), set())
-    for contact in world.world.getLastCollisionResult().getContacts():
+    for contact in contacts:
         first, _ = _split(contact.collisionObject1.getShapeFrame().getName())
         second, _ = _split(contact.collisionObject2.getShapeFrame().getName())
         for finger, item in ((first, second), (second, first)):

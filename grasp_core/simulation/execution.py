@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from grasp_core.grasp import Grasp
-from grasp_core.simulation.contacts import finger_contacts, touched, touches
+from grasp_core.simulation.contacts import finger_contacts
+from grasp_core.simulation.engine import Engine
 from grasp_core.simulation.evidence import (
     Comfort,
     Evidence,
@@ -22,7 +23,6 @@ from grasp_core.simulation.evidence import (
     triple,
 )
 from grasp_core.simulation.recorder import Recorder
-from grasp_core.simulation.world import World
 
 _STILL = 0.001
 """m/s: slower fingers stand still."""
@@ -32,6 +32,8 @@ _CLEAR = 0.005
 """m: an object whose lowest point is higher is clear of the table."""
 _SLIDE = (0.002, 0.05)
 """m/s and rad/s: an object slower than this relative to the gripper is at rest in it."""
+_REST = 4
+"""Looks in a row at which an object must be at rest in the gripper before a lift may end early."""
 _LOST = 0.06
 """s without any touch after which an object is lost: the fingers have then met at the centre plane."""
 
@@ -40,27 +42,29 @@ _LOST = 0.06
 class _State:
     """What is known while an attempt runs."""
 
-    steps: int = 0
     held: tuple[FingerContact | None, FingerContact | None] = (None, None)
     held_lift: float = 0.0
     held_time: float = 0.0
     held_place: NDArray[np.float64] | None = None
     loose: float = 0.0
+    rest: int = 0
     travel: tuple[float, float] = (0.0, 0.0)
     start: list[NDArray[np.float64]] = field(default_factory=list)
 
 
 class Execution:
-    """Runs attempts on one world; see `run`."""
+    """Runs attempts on one engine; see `run`.
 
-    def __init__(self, world: World, poses: Sequence[NDArray[np.float64]]) -> None:
-        """Keep the world and the poses (4×4 each) from which every attempt starts."""
-        assert world.gripper is not None
-        self._world = world
-        self._gripper = world.gripper
+    Attributes:
+        engine: where they run.
+    """
+
+    def __init__(self, engine: Engine, poses: Sequence[NDArray[np.float64]]) -> None:
+        """Keep the engine and the poses (4×4 each) from which every attempt starts."""
+        self.engine = engine
         self._poses = list(poses)
-        self._physics = world.physics
-        self._hulls = [np.asarray(item.asset.hull.vertices, float) for item in world.objects]
+        self._physics = engine.physics
+        self._hulls = [np.asarray(item.asset.hull.vertices, float) for item in engine.objects]
 
     def run(
         self, grasp: Grasp, advance: float, *, whole: bool, recorder: Recorder | None
@@ -76,19 +80,19 @@ class Execution:
         Returns:
             Outcome, evidence, and comfort if the object was lifted. UNSTABLE if the solver diverged.
         """
-        world, gripper = self._world, self._gripper
-        world.rewind(self._poses)
-        opened = (gripper.spec.opening - grasp.width) / 2
-        gripper.place(grasp.world_from_gripper, (opened + advance, opened + advance))
-        state = _State(start=[item.pose for item in world.objects])
+        engine = self.engine
+        engine.rewind(self._poses)
+        opened = (engine.spec.opening - grasp.width) / 2
+        engine.grip(grasp.world_from_gripper, (opened + advance, opened + advance))
+        state = _State(start=[item.pose for item in engine.objects])
         unstable = Outcome.UNSTABLE, Evidence(words="the solver diverged"), None
         if not self._close(state, recorder):
             return unstable
-        left, right = gripper.travel
+        left, right = engine.travel
         state.travel = (round(left - opened, 6), round(right - opened, 6))
-        sides = touched(world)
+        sides = engine.touched()
         if not (sides[0] and sides[1]):
-            gap = gripper.spec.opening - left - right
+            gap = engine.spec.opening - left - right
             words = "closed on nothing" + ("" if gap < 0.001 else f": the fingers stopped {millimetres(gap)} apart")
             if sides[0] or sides[1]:
                 words += f"; only the {'left' if sides[0] else 'right'} finger touched the object"
@@ -98,59 +102,63 @@ class Execution:
             return unstable
         return self._verdict(state, grasp)
 
-    def _advance(self, state: _State, speed: float) -> None:
-        self._gripper.command(speed)
-        self._world.step()
-        state.steps += 1
-
     def _close(self, state: _State, recorder: Recorder | None) -> bool:
         """Close until both fingers stand still; False if the solver diverged."""
+        engine = self.engine
         calm = 0
         for _ in range(int(self._physics.closing_time / self._physics.time_step / _LOOK)):
-            for _ in range(_LOOK):
-                self._advance(state, 0.0)
+            engine.advance(_LOOK)
             if recorder:
-                recorder.frame(self._world, "close", touches(self._world))
-            if self._world.diverged:
+                recorder.frame(engine, "close")
+            if engine.diverged:
                 return False
-            calm = calm + 1 if self._gripper.fastest < _STILL else 0
+            calm = calm + 1 if engine.fastest < _STILL else 0
             if calm >= 2:
                 break
         return True
 
     def _hold(self, state: _State, grasp: Grasp) -> bool:
         """Look at the grip; True and noted if both fingers touch an object."""
-        found = touches(self._world)
+        found = self.engine.touches()
         if not ({touch.finger for touch in found} >= {0, 1}):
             return False
         frame = grasp.world_from_gripper
-        frame[2, 3] += self._gripper.lift
+        frame[2, 3] += self.engine.lift
         state.held = finger_contacts(found, frame)
-        state.held_lift = self._gripper.lift
-        state.held_time = state.steps * self._physics.time_step
         state.held_place = np.mean([touch.point for touch in found], axis=0)
-        state.loose = 0.0
+        self._still_held(state)
         return True
+
+    def _still_held(self, state: _State) -> None:
+        state.held_lift = self.engine.lift
+        state.held_time = self.engine.time
+        state.loose = 0.0
 
     def _lift(self, state: _State, grasp: Grasp, whole: bool, recorder: Recorder | None) -> bool:
         """Lift to the full height, or until the verdict is certain; False if the solver diverged."""
-        physics = self._physics
-        begun = state.steps
-        while self._gripper.lift < physics.lift_height:
-            for _ in range(_LOOK):
-                time = (state.steps + 1 - begun) * physics.time_step
-                self._advance(state, physics.lift_speed * min(1.0, time / physics.lift_ramp))
+        engine, physics = self.engine, self._physics
+        look = _LOOK * physics.time_step
+        speed = 0.0
+        while engine.lift < physics.lift_height:
+            gain = min(physics.lift_speed * look / physics.lift_ramp, physics.lift_speed - speed)
+            engine.advance(_LOOK, speed, gain / look)
+            speed += gain
             if recorder:
-                recorder.frame(self._world, "lift", touches(self._world))
-            if self._world.diverged:
+                recorder.frame(engine, "lift")
+            if engine.diverged:
                 return False
-            if self._hold(state, grasp):
-                if not whole and self._gripper.lift >= physics.early_height and self._carried(state):
+            state.rest = state.rest + 1 if self._resting(state) else 0
+            if state.rest:  # its contacts stay what they were: no need to read them again
+                self._still_held(state)
+                early = not whole and state.rest >= _REST and engine.lift >= physics.early_height
+                if early and self._clear(state) and self._hold(state, grasp):
                     break
-            elif not any(touched(self._world)):
-                state.loose += _LOOK * physics.time_step
+            elif not self._hold(state, grasp) and not any(engine.touched()):
+                state.loose += look
                 if state.loose >= _LOST and not whole:
                     break
+        if state.rest:
+            self._hold(state, grasp)
         return True
 
     def _objects(self, state: _State) -> set[int]:
@@ -158,27 +166,28 @@ class Execution:
         return {contact.object for contact in state.held if contact is not None}
 
     def _clearance(self, index: int) -> float:
-        pose = self._world.objects[index].pose
+        pose = self.engine.objects[index].pose
         return float((self._hulls[index] @ pose[2, :3]).min() + pose[2, 3])
 
-    def _carried(self, state: _State) -> bool:
-        """Whether what is held is clear of the table and at rest in the gripper, so that nothing will change."""
+    def _resting(self, state: _State) -> bool:
+        """Whether what is held moves no more than the gripper does."""
+        rising = self.engine.rising
         for index in self._objects(state):
-            twist = self._world.objects[index].body.getSpatialVelocity()
-            turn = self._world.objects[index].pose[:3, :3]
-            velocity = turn @ twist[3:] - [0.0, 0.0, self._physics.lift_speed]
-            if np.linalg.norm(velocity) > _SLIDE[0] or np.linalg.norm(twist[:3]) > _SLIDE[1]:
-                return False
-            if self._clearance(index) < _CLEAR:
+            vx, vy, vz, wx, wy, wz = self.engine.objects[index].velocity
+            if max(abs(vx), abs(vy), abs(vz - rising)) > _SLIDE[0] or max(abs(wx), abs(wy), abs(wz)) > _SLIDE[1]:
                 return False
         return True
+
+    def _clear(self, state: _State) -> bool:
+        """Whether what is held is clear of the table."""
+        return all(self._clearance(index) > _CLEAR for index in self._objects(state))
 
     def _verdict(self, state: _State, grasp: Grasp) -> tuple[Outcome, Evidence, Comfort | None]:
         objects = self._objects(state)
         index = min(objects)
         if len(objects) == 2:
             index = state.held[0].object if state.held[0] else index
-        sides = touched(self._world)
+        sides = self.engine.touched()
         clearance = min(self._clearance(each) for each in objects)
         left, right = state.held
         holds = f"; {hold_words(left, right)}" if hold_words(left, right) else ""
@@ -193,8 +202,8 @@ class Execution:
         )
         if sides[0] and sides[1] and clearance > _CLEAR:
             before = state.start[index]
-            after = self._world.objects[index].pose
-            after[2, 3] -= self._gripper.lift
+            after = self.engine.objects[index].pose
+            after[2, 3] -= self.engine.lift
             comfort = Comfort(
                 round(float(np.linalg.norm(after[:3, 3] - before[:3, 3])), 6),
                 round(float(Rotation.from_matrix(after[:3, :3] @ before[:3, :3].T).magnitude()), 6),

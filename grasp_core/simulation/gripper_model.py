@@ -130,6 +130,11 @@ class GripperModel:
         return float(self.skeleton.getPosition(0))
 
     @property
+    def rising(self) -> float:
+        """Speed of the base along z, m/s."""
+        return float(self.skeleton.getVelocity(0))
+
+    @property
     def travel(self) -> tuple[float, float]:
         """How far each finger has closed from fully open (left, right), m."""
         _, a, b, c, d = self.skeleton.getPositions().tolist()

@@ -7,6 +7,7 @@ table box would give at most four contacts and let objects sink; spheres against
 
 from __future__ import annotations
 
+import math
 import tempfile
 from pathlib import Path
 
@@ -158,7 +159,14 @@ class ObjectBody:
         self.skeleton.setAccelerations(np.zeros(6))
 
     @property
+    def velocity(self) -> tuple[float, float, float, float, float, float]:
+        """Linear (m/s) then angular (rad/s) velocity in the world."""
+        vx, vy, vz = self.body.getLinearVelocity().tolist()
+        wx, wy, wz = self.body.getAngularVelocity().tolist()
+        return vx, vy, vz, wx, wy, wz
+
+    @property
     def speed(self) -> tuple[float, float]:
         """Linear (m/s) and angular (rad/s) speed in the world."""
-        twist = self.body.getSpatialVelocity()
-        return float(np.linalg.norm(twist[3:])), float(np.linalg.norm(twist[:3]))
+        velocity = self.velocity
+        return math.hypot(*velocity[:3]), math.hypot(*velocity[3:])

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.simulation.contacts import Touch
+from grasp_core.simulation.engine import Engine
 from grasp_core.simulation.evidence import Outcome
 from grasp_core.simulation.recording import PHASES, Recording
-from grasp_core.simulation.world import World
 
 _FROM = 0.15
 """m above the grasp where the approach starts."""
@@ -86,19 +86,18 @@ class Recorder:
             done = way * float(share)
             self._add(begun + done / self._gripper.speed, "close", self._start, 0.0, (opened + done, opened + done))
 
-    def frame(self, world: World, phase: str, found: Sequence[Touch]) -> None:
+    def frame(self, engine: Engine, phase: str) -> None:
         """The state of the simulation now."""
-        assert world.gripper is not None
         if self._begun is None:
             self._begun = self._times[-1]
         self._add(
-            self._begun + world.time,
+            self._begun + engine.time,
             phase,
-            pose_rows([item.pose for item in world.objects]),
-            world.gripper.lift,
-            world.gripper.travel,
+            pose_rows([item.pose for item in engine.objects]),
+            engine.lift,
+            engine.travel,
         )
-        self._touches += [(len(self._times) - 1, touch) for touch in found]
+        self._touches += [(len(self._times) - 1, touch) for touch in engine.touches()]
 
     def finish(self, outcome: Outcome, words: str) -> Recording:
         """Everything that was added."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from grasp_core.gripper import Gripper
 from grasp_core.objects.asset import ObjectAsset
+from grasp_core.simulation.contacts import Touch, touched, touches
 from grasp_core.simulation.gripper_model import GripperModel, isometry
 from grasp_core.simulation.object_body import ObjectBody, support_points
 from grasp_core.simulation.physics import Physics, load_physics
@@ -121,8 +122,59 @@ class World:
             item.place(pose)
 
     def step(self) -> None:
-        """Advance by one time step."""
+        """Advance by one time step, the gripper left alone."""
         self.world.step()
+
+    def advance(self, steps: int, speed: float = 0.0, acceleration: float = 0.0) -> None:
+        """Close with full force for some steps while the base rises: at `speed` before the first, then accelerating."""
+        command, step = self._gripper.command, self.world.step
+        gain = acceleration * self.physics.time_step
+        for _ in range(steps):
+            speed += gain
+            command(speed)
+            step()
+
+    def grip(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
+        """Put the gripper at a pose (4×4, z up), each finger closed by its travel from fully open, metres; at rest."""
+        self._gripper.place(world_from_gripper, travel)
+
+    @property
+    def _gripper(self) -> GripperModel:
+        assert self.gripper is not None, "this world was made without a gripper"
+        return self.gripper
+
+    @property
+    def spec(self) -> Gripper:
+        """The gripper's description."""
+        return self._gripper.spec
+
+    @property
+    def lift(self) -> float:
+        """How far the gripper's base has risen, metres."""
+        return self._gripper.lift
+
+    @property
+    def rising(self) -> float:
+        """How fast it rises, m/s."""
+        return self._gripper.rising
+
+    @property
+    def travel(self) -> tuple[float, float]:
+        """How far each finger has closed from fully open (left, right), metres."""
+        return self._gripper.travel
+
+    @property
+    def fastest(self) -> float:
+        """Speed of the fastest pad along its joint, m/s."""
+        return self._gripper.fastest
+
+    def touched(self) -> tuple[set[int], set[int]]:
+        """Indices of the objects that the left and the right finger touch."""
+        return touched(self.world.getLastCollisionResult().getContacts())
+
+    def touches(self) -> list[Touch]:
+        """Every contact of the last step between a finger and an object."""
+        return touches(self.world.getLastCollisionResult().getContacts())
 
     @property
     def time(self) -> float:

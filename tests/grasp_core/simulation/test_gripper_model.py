@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from grasp_core.grasp import Grasp
-from grasp_core.simulation.contacts import touches
 from grasp_core.simulation.gripper_model import GripperModel, isometry
 from grasp_core.simulation.trial import GraspTrial, Outcome
 from grasp_core.simulation.world import World
@@ -22,7 +21,7 @@ def closed_on_box(physics, gripper, shapes, steps: int = 300) -> World:
 
 def felt_force(world: World) -> tuple[float, float]:
     """Normal force of the left and the right finger, N."""
-    found = touches(world)
+    found = world.touches()
     return tuple(-sum(float(t.force @ t.normal) for t in found if t.finger == side) for side in (0, 1))
 
 
@@ -78,7 +77,7 @@ def turned(physics, gripper, shapes, rigid: bool) -> float:
     """Degrees by which a 0.3 kg box turns when held 4.5 cm off its centre and lifted."""
     trial = GraspTrial(shapes.alone(shapes.box(0.04, 0.14, 0.06, mass=0.3)), gripper, physics, None, whole=True)
     if rigid:  # one full-width box a finger instead of two pads
-        for index, pad in enumerate(trial._executes()._gripper.pads):
+        for index, pad in enumerate(trial._executes().engine.gripper.pads):
             if index % 2:
                 pad.setCollidable(False)
             else:

@@ -99,7 +99,7 @@ def test_same_seed_same_attempt_in_any_order(physics, gripper, shapes):
         found = {}
         for index in order:
             attempt = trial.attempt(grasps[index], index)
-            pose = trial._execution._world.objects[0].pose.tobytes() if attempt.dynamic else b""
+            pose = trial._execution.engine.objects[0].pose.tobytes() if attempt.dynamic else b""
             found[index] = (attempt, pose)
         return found
 
@@ -125,7 +125,7 @@ def test_without_the_priming_step_order_matters(physics, gripper, shapes, monkey
         found = {}
         for index in order:
             attempt = trial.attempt(grasps[index], index)
-            found[index] = trial._execution._world.objects[0].pose.tobytes() if attempt.dynamic else b""
+            found[index] = trial._execution.engine.objects[0].pose.tobytes() if attempt.dynamic else b""
         return found
 
     assert run(range(40)) != run(reversed(range(40)))
@@ -218,7 +218,7 @@ def test_the_object_between_the_fingers_is_the_one_grasped(physics, gripper, sha
     attempt = trial.attempt(Grasp((0, 0, 0.06), 0.3, 0.1), 0)
     assert attempt.outcome is Outcome.SUCCESS
     assert attempt.evidence.object == 1
-    assert trial._execution._world.objects[0].pose[2, 3] == pytest.approx(0.03, abs=1e-3)
+    assert trial._execution.engine.objects[0].pose[2, 3] == pytest.approx(0.03, abs=1e-3)
     hit = trial.attempt(Grasp((0.2, 0, 0.02), math.pi / 2, 0.05), 0)
     assert hit.outcome is Outcome.COLLISION
     assert "object 0" in hit.evidence.words
