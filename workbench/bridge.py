@@ -69,6 +69,12 @@ def text(value: object) -> str:
     return html.escape(str(value), quote=True)
 
 
+def sentence(words: str) -> str:
+    """Words with a capital and a full stop."""
+    words = words.strip()
+    return words if not words else words[0].upper() + words[1:] + ("" if words[-1] in ".!?" else ".")
+
+
 def pose(transform: NDArray[np.float64]) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """4×4 → (w, x, y, z) and (x, y, z), as viser takes them."""
     rotation = viser.transforms.SO3.from_matrix(np.asarray(transform, float)[:3, :3])

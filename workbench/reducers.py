@@ -40,10 +40,15 @@ def _notice(action: a.Notice, state: State) -> Result:
 
 
 def _open(state: State, **changes: Any) -> Result:
+    """Want another scene; of those wanted while one is being made, the last one is made next."""
     request = replace(state.request, **changes)
     ticket = state.ticket + 1
-    asked = replace(state, request=request, ticket=ticket, opening=True, failure=None)
-    return asked, (a.OpenScene(ticket, request),)
+    asked = replace(state, request=request, ticket=ticket, failure=None)
+    return (asked, ()) if state.making is not None else _make(asked)
+
+
+def _make(state: State) -> Result:
+    return replace(state, making=state.ticket), (a.OpenScene(state.ticket, state.request),)
 
 
 @_rule(a.ShowObject)
@@ -85,16 +90,20 @@ def _use_planner(action: a.UsePlanner, state: State) -> Result:
 
 @_rule(a.Opened)
 def _opened(action: a.Opened, state: State) -> Result:
-    if action.ticket != state.ticket:
+    if action.ticket != state.making:
         return state, ()
+    if action.ticket != state.ticket:
+        return _make(state)
     shown = replace(
         state,
         request=action.scene.request,
-        opening=False,
+        making=None,
         scene=action.scene,
+        scene_ticket=action.ticket,
         failure=None,
         selected=0 if action.scene.plan.candidates else None,
         trials={},
+        waiting=None,
         playback=None,
         verdicts={},
         judging=False,
@@ -104,11 +113,12 @@ def _opened(action: a.Opened, state: State) -> Result:
 
 @_rule(a.OpenFailed)
 def _open_failed(action: a.OpenFailed, state: State) -> Result:
-    if action.ticket != state.ticket:
+    if action.ticket != state.making:
         return state, ()
-    return replace(state, opening=False, failure=action.reason), (
-        a.Notice("error", "This scene could not be made", action.reason),
-    )
+    if action.ticket != state.ticket:
+        return _make(state)
+    told = a.Notice("error", "This scene could not be made", action.reason)
+    return replace(state, making=None, failure=action.reason), (told,)
 
 
 @_rule(a.Select)
@@ -135,45 +145,58 @@ def _replay_attempt(action: a.ReplayAttempt, state: State) -> Result:
 
 
 def _show_attempt(state: State, number: int) -> Result:
-    """Replay attempt `number` of the selected candidate; the first time its whole trial runs."""
+    """Replay attempt `number` of the selected candidate; the first time its whole trial runs.
+
+    One trial runs at a time: of the candidates chosen meanwhile, the last one is tried next.
+    """
     assert state.scene is not None and state.selected is not None
     playback, trial = state.playback, state.trial
     if playback is not None and playback.attempt.number == number:
-        return replace(state, playback=replace(playback, position=0.0, playing=True, at=None)), ()
-    if trial.running:
-        return state, ()
-    wanted: list[a.Effect] = [a.RecordAttempt(state.ticket, state.scene, state.selected, number)]
+        return replace(state, playback=replace(playback, position=0.0, playing=True, at=None), waiting=None), ()
+    if state.trying:
+        return replace(state, waiting=number), ()
+    wanted: list[a.Effect] = [a.RecordAttempt(state.scene_ticket, state.scene, state.selected, number)]
     if not trial.complete:
-        wanted.append(a.RunTrial(state.ticket, state.scene, state.selected))
-    return state.with_trial(state.selected, replace(trial, running=True, failed=None)), tuple(wanted)
+        wanted.append(a.RunTrial(state.scene_ticket, state.scene, state.selected))
+    running = state.with_trial(state.selected, replace(trial, running=True, failed=None))
+    return replace(running, waiting=None), tuple(wanted)
+
+
+def _next_waiting(state: State, *effects: a.Effect) -> Result:
+    if state.waiting is None or state.selected is None or state.trying:
+        return state, effects
+    state, more = _show_attempt(state, state.waiting)
+    return state, (*effects, *more)
 
 
 @_rule(a.Replayed)
 def _replayed(action: a.Replayed, state: State) -> Result:
-    if action.ticket != state.ticket:
+    if action.ticket != state.scene_ticket:
         return state, ()
     trial = state.trials.get(action.index, TrialState())
     known = {**trial.attempts, action.attempt.number: replace(action.attempt, recording=None)}
     state = state.with_trial(action.index, replace(trial, attempts=known, running=not trial.complete))
-    if action.index != state.selected:
-        return state, ()
-    return replace(state, playback=Playback(action.attempt)), ()
+    if action.index == state.selected:
+        waiting = None if state.waiting == action.attempt.number else state.waiting
+        state = replace(state, playback=Playback(action.attempt), waiting=waiting)
+    return _next_waiting(state)
 
 
 @_rule(a.Tried)
 def _tried(action: a.Tried, state: State) -> Result:
-    if action.ticket != state.ticket:
+    if action.ticket != state.scene_ticket:
         return state, ()
     attempts = {attempt.number: replace(attempt, recording=None) for attempt in action.attempts}
-    return state.with_trial(action.index, TrialState(attempts, running=False, complete=True)), ()
+    return _next_waiting(state.with_trial(action.index, TrialState(attempts, running=False, complete=True)))
 
 
 @_rule(a.TrialFailed)
 def _trial_failed(action: a.TrialFailed, state: State) -> Result:
-    if action.ticket != state.ticket:
-        return state, ()
-    trial = replace(state.trials.get(action.index, TrialState()), running=False, failed=action.reason)
-    return state.with_trial(action.index, trial), (a.Notice("error", "The trial did not run", action.reason),)
+    trial = state.trials.get(action.index, TrialState())
+    if action.ticket != state.scene_ticket or not trial.running:
+        return state, ()  # told already: a trial is two jobs
+    told = a.Notice("error", "The trial did not run", action.reason)
+    return _next_waiting(state.with_trial(action.index, replace(trial, running=False, failed=action.reason)), told)
 
 
 @_rule(a.TogglePlay)
@@ -228,13 +251,13 @@ def _judge(action: a.Judge, state: State) -> Result:
         told = a.Notice("info", "The trial is still running", "Judge the grasp when all attempts are in.")
         return state, (told,)
     attempts = tuple(state.trial.attempts[number] for number in sorted(state.trial.attempts))
-    store = a.StoreVerdict(state.ticket, state.scene, state.selected, action.judgement, attempts)
+    store = a.StoreVerdict(state.scene_ticket, state.scene, state.selected, action.judgement, attempts)
     return replace(state, judging=True), (store,)
 
 
 @_rule(a.Judged)
 def _judged(action: a.Judged, state: State) -> Result:
-    if action.ticket != state.ticket:
+    if action.ticket != state.scene_ticket:
         return state, ()
     return replace(state, judging=False, verdicts={**state.verdicts, action.index: action.judgement}), ()
 
@@ -242,7 +265,7 @@ def _judged(action: a.Judged, state: State) -> Result:
 @_rule(a.JudgeFailed)
 def _judge_failed(action: a.JudgeFailed, state: State) -> Result:
     told = a.Notice("error", "The verdict was not stored", action.reason)
-    return (replace(state, judging=False) if action.ticket == state.ticket else state), (told,)
+    return (replace(state, judging=False) if action.ticket == state.scene_ticket else state), (told,)
 
 
 @_rule(a.Toggle)

@@ -62,12 +62,14 @@ class State:
     Attributes:
         catalogue: what there is.
         request: the scene that is wanted.
-        ticket: of the newest wanted scene; answers to older ones are dropped.
-        opening: it is being made.
+        ticket: of the newest wanted scene; other scenes are not shown.
+        making: ticket of the scene that is being made, one at a time; None when none is.
         scene: the scene that is shown.
+        scene_ticket: its ticket; answers about candidates of other scenes are dropped.
         failure: why the wanted scene could not be made.
         selected: place of the selected candidate in the list.
         trials: place → what is known of its trial.
+        waiting: number of the selected candidate's attempt to show once the running trial has ended.
         playback: the replay, while one is shown.
         verdicts: place → a person's verdict that is stored.
         judging: a verdict is being stored.
@@ -78,16 +80,28 @@ class State:
     catalogue: Catalogue
     request: SceneRequest
     ticket: int = 0
-    opening: bool = True
+    making: int | None = 0
     scene: OpenedScene | None = None
+    scene_ticket: int = 0
     failure: str | None = None
     selected: int | None = None
     trials: dict[int, TrialState] = field(default_factory=dict)
+    waiting: int | None = None
     playback: Playback | None = None
     verdicts: dict[int, Judgement] = field(default_factory=dict)
     judging: bool = False
     speed: float = 1.0
     shown: frozenset[Layer] = frozenset(LAYERS)
+
+    @property
+    def opening(self) -> bool:
+        """The wanted scene is not there yet."""
+        return self.making is not None
+
+    @property
+    def trying(self) -> bool:
+        """The trial of some candidate is running."""
+        return any(trial.running for trial in self.trials.values())
 
     @property
     def candidates(self) -> tuple[Candidate, ...]:

@@ -200,7 +200,7 @@ def state(catalogue) -> State:
 def shown(state, opened):
     from dataclasses import replace
 
-    return replace(state, opening=False, scene=opened, selected=0)
+    return replace(state, making=None, scene=opened, selected=0)
 
 
 @pytest.fixture

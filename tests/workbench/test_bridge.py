@@ -6,7 +6,7 @@ import pytest
 
 from grasp_core.errors import GraspError
 from workbench.actions import Judge, Notice, Seek, Select, ShowObject
-from workbench.bridge import plain, pose, put, read_message, text
+from workbench.bridge import plain, pose, put, read_message, sentence, text
 from workbench.screen import READERS
 
 
@@ -132,3 +132,8 @@ def test_buttons_carry_hint_and_state(bridge):
 def test_notices_reach_the_browser(bridge, client):
     bridge.notify("error", "Title", "Body")
     assert client.notices == [("Title", "Body")]
+
+
+def test_sentences():
+    assert sentence("held to the end") == "Held to the end."
+    assert sentence("Done!") == "Done!" and sentence("  ") == ""

@@ -61,13 +61,23 @@ def test_choosing_what_is_shown_already_does_nothing(shown):
 
 
 def test_late_scenes_are_dropped(shown, opened):
-    state, _ = run(shown, a.RandomScene(1), a.RandomScene(2))
-    assert run(state, a.Opened(1, opened), a.OpenFailed(1, "late")) == (state, [])
+    state, effects = run(shown, a.RandomScene(1), a.RandomScene(2), a.RandomScene(3))
+    assert [effect.ticket for effect in effects] == [1], "one scene is made at a time"
+    for answer in (a.Opened(1, opened), a.OpenFailed(1, "late")):
+        after, effects = run(state, answer)
+        assert after.scene is shown.scene and effects == [a.OpenScene(3, state.request)], "the last one is made next"
+    assert run(state, a.Opened(99, opened)) == (state, [])
+
+
+def test_a_trial_belongs_to_the_scene_it_was_started_on(shown, opened, attempt):
+    state, _ = run(shown, a.AnotherPose(), a.Select(1))
+    new, _ = run(state, a.Opened(1, opened), a.Replayed(0, 1, attempt(0)), a.Tried(0, 1, (attempt(0),)))
+    assert new.trials == {} and new.playback is None
 
 
 def test_a_new_scene_starts_with_its_best_candidate_and_nothing_else(shown, opened, attempt):
     tried, _ = run(shown, a.Select(1), a.Replayed(0, 1, attempt(0)), a.Tried(0, 1, (attempt(0),)))
-    state, _ = run(replace(tried, ticket=7, verdicts={1: "good"}), a.Opened(7, opened))
+    state, _ = run(replace(tried, ticket=7, making=7, verdicts={1: "good"}), a.Opened(7, opened))
     assert (state.selected, state.trials, state.playback, state.verdicts, state.opening) == (0, {}, None, {}, False)
 
 
@@ -89,9 +99,19 @@ def test_a_click_selects_and_tries(shown):
     assert effects == [a.RecordAttempt(0, shown.scene, 2, 0), a.RunTrial(0, shown.scene, 2)]
 
 
-def test_a_second_click_while_it_runs_asks_for_nothing_more(shown):
+def test_a_second_click_while_it_runs_asks_for_nothing_more(shown, attempt):
     state, _ = run(shown, a.Select(2))
-    assert run(state, a.Select(2)) == (state, [])
+    again, effects = run(state, a.Select(2))
+    assert effects == []
+    again, effects = run(again, a.Replayed(0, 2, attempt(0)), a.Tried(0, 2, (attempt(0),)))
+    assert effects == [] and again.playback.playing and again.waiting is None
+
+
+def test_coming_back_to_a_candidate_whose_trial_still_runs_replays_it(shown, attempt):
+    state, _ = run(shown, a.Select(1), a.Replayed(0, 1, attempt(0)), a.Select(2), a.Select(1))
+    assert state.playback is None
+    state, effects = run(state, a.Tried(0, 1, (attempt(0),)))
+    assert effects == [a.RecordAttempt(0, shown.scene, 1, 0)]
 
 
 @pytest.mark.parametrize("index", [-1, 3, 10**9])
@@ -116,10 +136,19 @@ def test_an_attempt_that_comes_after_the_choice_moved_on_is_kept_but_not_shown(s
     assert state.playback is None and state.trials[1].attempts[0].number == 0
 
 
+def test_trials_run_one_at_a_time_and_the_last_choice_is_next(shown, attempt):
+    state, effects = run(shown, a.Select(0), a.Select(1), a.Select(2))
+    assert [effect.index for effect in effects] == [0, 0] and state.waiting == 0
+    state, effects = run(state, a.Replayed(0, 0, attempt(0)), a.Tried(0, 0, (attempt(0),)))
+    assert [effect.index for effect in effects] == [2, 2] and state.waiting is None
+    assert state.trial.running and 1 not in state.trials
+
+
 def test_a_trial_that_fails_says_why_and_can_be_run_again(shown):
     state, effects = run(shown, a.Select(1), a.TrialFailed(0, 1, "the worker died"))
     assert state.trial == TrialState(failed="the worker died")
     assert isinstance(effects[-1], a.Notice)
+    assert run(state, a.TrialFailed(0, 1, "the worker died")) == (state, []), "told once"
     assert run(state, a.Select(1))[0].trial.running
 
 

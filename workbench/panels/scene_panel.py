@@ -6,7 +6,7 @@ import secrets
 from importlib import resources
 
 from workbench.actions import Action, AnotherObject, AnotherPose, RandomScene, ShowObject, Toggle, UsePlanner
-from workbench.bridge import Bridge, Reader, put, text
+from workbench.bridge import Bridge, Reader, put, sentence, text
 from workbench.orders import LAYERS, Catalogue
 from workbench.state import State
 
@@ -62,7 +62,8 @@ def facts(state: State) -> str:
         doing = "Making and planning the first scene" if state.scene is None else f"Making and planning: {family}"
         return f'<span class="gw-spin"></span>{doing} …'
     if state.failure is not None:
-        return f'<div class="gw-error">{text(state.failure)}</div>'
+        left = "" if state.scene is None else "<br><small>What is shown is the scene before.</small>"
+        return f'<div class="gw-error">{text(sentence(state.failure))}{left}</div>'
     if state.scene is None:
         return ""
     opened = state.scene

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from workbench.actions import Judge, ReplayAttempt, Seek, Select, SelectNext, Speed, Step, TogglePlay
-from workbench.bridge import Bridge, Reader, put, text
+from workbench.bridge import Bridge, Reader, put, sentence, text
 from workbench.orders import Judgement
 from workbench.reducers import SPEEDS
 from workbench.state import State
@@ -31,20 +31,15 @@ READERS: dict[str, Reader] = {
 }
 
 
-def sentence(words: str) -> str:
-    """Words with a capital and a full stop."""
-    words = words.strip()
-    return words if not words else words[0].upper() + words[1:] + ("" if words[-1] in ".!?" else ".")
-
-
 def verdict_of_physics(state: State, attempts: int, bridge: Bridge) -> str:
     """What happened in the attempt that is shown and in the others; HTML."""
     if state.selected is None:
         return '<div class="gw-empty">No candidate to try.</div>'
     trial, playback = state.trial, state.playback
     if trial.failed is not None:
-        return f'<div class="gw-error">{text(trial.failed)}</div>'
-    if playback is None and not trial.running:
+        return f'<div class="gw-error">{text(sentence(trial.failed))}</div>'
+    busy = trial.running or state.waiting is not None
+    if playback is None and not busy:
         chosen = state.selected
         go = bridge.button(f"Try candidate {chosen + 1}", f"select:{chosen}", look="gw-main")
         return (

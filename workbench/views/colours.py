@@ -20,7 +20,7 @@ OUTCOMES: dict[str, tuple[int, int, int]] = {
 
 OBJECT = (205, 160, 105)
 TABLE = (52, 57, 64)
-FINGER = (60, 130, 220)
+FINGER = (84, 150, 230)
 FRAME = (150, 158, 170)
 FORCE = (255, 92, 170)
 """Of contact forces."""

@@ -20,13 +20,13 @@ def test_trials_and_verdicts_show_in_the_list(shown, bridge, attempt):
 
 
 def test_an_empty_plan_says_why(state, empty_scene, bridge):
-    page = listing(replace(state, scene=empty_scene, opening=False), bridge)
+    page = listing(replace(state, scene=empty_scene, making=None), bridge)
     assert "No grasp: nothing stands on the table" in page
 
 
 def test_before_the_first_plan(state, bridge):
     assert "come with the first plan" in listing(state, bridge)
-    assert "no plan" in listing(replace(state, opening=False, failure="x"), bridge)
+    assert "no plan" in listing(replace(state, making=None, failure="x"), bridge)
 
 
 def test_times_add_up():

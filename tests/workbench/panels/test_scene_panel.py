@@ -19,7 +19,7 @@ def test_facts_say_what_is_shown(shown):
 
 def test_facts_while_working_and_after_a_failure(state, shown):
     assert "first scene" in facts(state)
-    assert "pen" in facts(replace(shown, opening=True, request=replace(shown.request, family="pen")))
+    assert "pen" in facts(replace(shown, making=1, request=replace(shown.request, family="pen")))
     assert "&lt;b&gt;" in facts(replace(shown, failure="<b>no</b>")), "reasons are shown as text, never as HTML"
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from workbench import actions as a
 from workbench.bridge import read_message
-from workbench.panels.trial_panel import READERS, TrialPanel, player, sentence, verdict, verdict_of_physics
+from workbench.panels.trial_panel import READERS, TrialPanel, player, verdict, verdict_of_physics
 from workbench.state import Playback, TrialState
 
 
@@ -27,7 +27,7 @@ def test_every_state_of_a_trial_has_its_words(state, shown, bridge):
     running = shown.with_trial(0, TrialState(running=True))
     assert "is being tried" in verdict_of_physics(running, 5, bridge)
     failed = shown.with_trial(0, TrialState(failed="<worker> died"))
-    assert "&lt;worker&gt; died" in verdict_of_physics(failed, 5, bridge)
+    assert "&lt;worker&gt; died." in verdict_of_physics(failed, 5, bridge)
 
 
 def test_the_player_is_off_without_a_replay(shown, tried, bridge):
@@ -69,8 +69,3 @@ def test_the_scrubber_follows_the_replay_without_flooding_the_page(bridge, clien
 )  # fmt: skip
 def test_buttons_send_what_they_say(message, action):
     assert read_message(message, READERS) == action
-
-
-def test_sentences():
-    assert sentence("held to the end") == "Held to the end."
-    assert sentence("Done!") == "Done!" and sentence("  ") == ""
