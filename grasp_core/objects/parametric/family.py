@@ -73,7 +73,9 @@ def make(name: str, seed: int) -> ObjectAsset:
     size = rng.uniform(kind.shortest, kind.longest)
     stretch = np.exp(np.clip(rng.normal(0, kind.stretch, 3), -2 * kind.stretch, 2 * kind.stretch))
     shape = kind.build(rng).scaled(*stretch)
-    vertices, faces = arrays(shape.body)
+    # A corner of one piece may stick out of another as a loose chip: the largest body is the object.
+    bodies = sorted(shape.body.decompose(), key=lambda body: -body.volume())
+    vertices, faces = arrays(bodies[0] if bodies else shape.body)
     if len(faces) == 0:
         raise MeshError(f"{name}_{seed:03d}: the shape came out empty; take another seed")
     scale = size / np.ptp(vertices, axis=0).max()

@@ -68,7 +68,9 @@ def pear(rng: np.random.Generator) -> Solid:
     """A pear: a belly and a neck."""
     h, neck = rng.uniform(8.5, 11.5), rng.uniform(1.1, 1.9)
     points = [(0.8, 0), (2.9, 0.1 * h), (3.6, 0.32 * h), (neck + 0.5, 0.65 * h), (neck, 0.85 * h), (0.4, h)]
-    return _arch(rng, points) + tube([[0, 0, h * 0.5], [0.1, 0, h * 0.8], [0.5, 0, h + 0.9]], 0.25, pieces=2, up=(0, 1, 0))
+    return _arch(rng, points) + tube(
+        [[0, 0, h * 0.5], [0.1, 0, h * 0.8], [0.5, 0, h + 0.9]], 0.25, pieces=2, up=(0, 1, 0)
+    )
 
 
 @family("fruit", 6, 11)

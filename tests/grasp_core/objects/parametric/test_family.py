@@ -19,8 +19,19 @@ def outside(points, asset):
     return np.clip(best, 0, None)
 
 
-def test_the_first_twelve_families_are_there():
+def test_the_catalogue_is_wide():
     assert set(NEEDED) <= set(FAMILIES)
+    assert len(FAMILIES) >= 100
+    groups = {family.group for family in FAMILIES.values()}
+    assert {"kitchen", "tools", "toys", "office", "bathroom", "fruit", "machine"} <= groups
+
+
+@pytest.mark.parametrize("name", sorted(FAMILIES))
+def test_no_shape_falls_apart(name):
+    kind = FAMILIES[name]
+    for seed in range(2):
+        volumes = [one.volume() for one in kind.build(np.random.default_rng(seed)).body.decompose()]
+        assert sum(volumes) - max(volumes) < 0.01 * max(volumes)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -30,7 +41,7 @@ def test_every_family_makes_sound_objects(name, seed):
     assert asset.name == f"{name}_{seed:03d}" and asset.category == name
     body = solid(asset.vertices, asset.faces)
     assert asset.mesh.is_watertight and asset.mesh.volume > 0
-    assert len(body.decompose()) == 1, "the shape falls apart"
+    assert len(body.decompose()) == 1
     assert 0.06 <= asset.extents.max() <= 0.2001
     assert FAMILIES[name].shortest - 1e-9 <= asset.extents.max() <= FAMILIES[name].longest + 1e-9
     assert 1 <= len(asset.parts) <= 20
@@ -40,7 +51,7 @@ def test_every_family_makes_sound_objects(name, seed):
     assert np.linalg.eigvalsh(asset.unit_inertia).min() > 0
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0])
 @pytest.mark.parametrize("name", sorted(FAMILIES))
 def test_parts_follow_what_is_seen(name, seed):
     asset = make(name, seed)
