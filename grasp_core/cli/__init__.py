@@ -18,6 +18,9 @@ class Command(Protocol):
 
 
 COMMANDS: dict[str, tuple[str, str, str]] = {
+    "objects list": ("objects", "List", "families of the catalogue and installed sets"),
+    "objects sheet": ("objects", "Sheet", "a contact sheet of objects"),
+    "objects export": ("objects", "Export", "write objects as URDF or asset files"),
     "plan": ("plan", "PlanCommand", "grasps from one depth image"),
     "generate": ("generate", "Generate", "make a dataset from a recipe"),
     "dataset info": ("dataset", "Info", "what a dataset holds"),

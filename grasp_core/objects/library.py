@@ -26,11 +26,15 @@ SMALLEST, LARGEST = 0.005, 2.0
 
 
 def catalogue(name: str) -> ObjectAsset:
-    """The object with a name of the catalogue: a family and a seed, e.g. "mug_003".
+    """The object with a name of the catalogue: a family and a seed, e.g. "mug_003", or one of an installed set.
 
     Raises:
         MeshError: not such a name, or no such family (the message lists them).
     """
+    from grasp_core.objects.sets import SETS, set_object  # which builds on this module
+
+    if name.startswith(tuple(f"{prefix}_" for prefix in SETS)):
+        return set_object(name)
     found = re.fullmatch(r"([a-z][a-z0-9_]*?)_(\d{3,6})", name)
     if found is None:
         raise MeshError(f"'{name}' is no name of the catalogue; names are a family and a seed, such as mug_003")
