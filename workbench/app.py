@@ -104,6 +104,7 @@ class Workbench:
                 self._disconnect(client)  # it left while its screen was made
         except Exception:
             log.exception("a browser could not be served")
+            self._disconnect(client)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         session = self._attached.pop(client.client_id, None)

@@ -1,3 +1,5 @@
+import os
+import signal
 import time
 
 import pytest
@@ -88,6 +90,19 @@ def test_browsers_are_independent(workbench, browser):
     other.post(a.Toggle("camera"))
     wait(lambda: "camera" not in second.state.shown, "the switch")
     assert "camera" in screen.state.shown
+
+
+def test_a_worker_that_dies_is_reported_and_replaced(workbench, browser):
+    session, screen = browser
+    found = []
+    workbench._jobs.submit(found.append, found.append, os.getpid)
+    wait(lambda: found, "the worker's number")
+    os.kill(found[0], signal.SIGKILL)
+    session.post(a.Select(0))
+    wait(lambda: screen.state.trial.failed or screen.state.trial.complete, "the trial's end")
+    wait(lambda: any(notice.title == "Worker replaced" for notice in screen.notices), "the report")
+    session.post(a.Select(0))
+    wait(lambda: screen.state.trial.complete, "the trial of the new worker")
 
 
 def test_an_effect_that_nobody_does_is_an_error(workbench, browser):

@@ -76,7 +76,8 @@ def listing(state: State, bridge: Bridge) -> str:
     )
     planned = f"{text(opened.request.planner)} in {plan.total_ms:.0f} ms"
     return (
-        f"<h3>{len(plan.candidates)} candidates <span>{planned}</span></h3>"
+        f'<h3 title="J and K try the next and the previous one">{len(plan.candidates)} candidates <span>'
+        f"{planned}</span></h3>"
         f'<div class="gw-list"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
         f"{legend}{stages(plan.stages_ms)}"
     )

@@ -114,7 +114,7 @@ def verdict(state: State, dataset: str, bridge: Bridge) -> str:
 
     def button(kind: Judgement, label: str) -> str:
         look = f"gw-{kind} gw-on" if given == kind else f"gw-{kind}"
-        return bridge.button(label, f"judge:{kind}", look=look, off=off)
+        return bridge.button(label, f"judge:{kind}", hint=f"store your verdict ({kind[0].upper()})", look=look, off=off)
 
     told = f"goes to {text(dataset)}"
     if state.judging:
