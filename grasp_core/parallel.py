@@ -6,10 +6,13 @@ of the engine) is given to a new one. Results come in the order of completion, w
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import pickle
+import re
 import signal
+import socket
 import threading
 import traceback
 from collections import deque
@@ -241,6 +244,19 @@ def _call(work: Callable[[Any], Any], item: Any) -> Any:
     return work(item)
 
 
+def _refuse_silence(address: str) -> None:
+    """Ray itself waits for minutes for a cluster that is not there."""
+    found = re.fullmatch(r"(?:ray://)?\[?([^\[\]/]+)\]?:(\d+)", address)
+    if found is None:
+        return
+    try:
+        socket.create_connection((found.group(1), int(found.group(2))), timeout=5).close()
+    except OSError as error:
+        raise GraspError(
+            f"no Ray cluster answers at '{address}' ({error}); start one with `ray start --head`"
+        ) from error
+
+
 def _on_ray(
     work: Callable[[Any], Any], items: Sequence[Any], address: str, stop: Callable[[], bool]
 ) -> Iterator[tuple[int, Any]]:
@@ -248,9 +264,10 @@ def _on_ray(
         import ray
     except ImportError as error:
         raise GraspError("Ray is not installed; pip install 'grasp-workbench[cluster]'") from error
+    _refuse_silence(address)
     ours = not ray.is_initialized()
     try:
-        ray.init(address=address, ignore_reinit_error=True, log_to_driver=False, logging_level="ERROR")
+        ray.init(address=address, ignore_reinit_error=True, log_to_driver=False, logging_level=logging.ERROR)
     except (ConnectionError, ValueError, RuntimeError) as error:
         raise GraspError(
             f"no Ray cluster answers at '{address}' ({error}); start one with `ray start --head`"

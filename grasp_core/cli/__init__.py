@@ -25,6 +25,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "generate": ("generate", "Generate", "make a dataset from a recipe"),
     "dataset info": ("dataset", "Info", "what a dataset holds"),
     "dataset verify": ("dataset", "Verify", "check every file, hash and label of a dataset"),
+    "dataset stats": ("dataset", "Stats", "outcomes, quality, graspable share and comfort, with a picture"),
     "dataset merge": ("dataset", "Merge", "join datasets that were made on several machines"),
     "dataset archive": ("dataset", "Archive", "write the labels of a dataset as one small file"),
     "dataset restore": ("dataset", "Restore", "rebuild a dataset from such a file, without physics"),

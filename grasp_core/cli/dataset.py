@@ -262,3 +262,36 @@ class Bar:
 
     def __exit__(self, *_: object) -> None:
         self._bar.close()
+
+
+@dataclass(frozen=True)
+class Stats:
+    """Outcome shares, quality, graspable share and comfort of a dataset, with a picture."""
+
+    path: Annotated[Path, tyro.conf.Positional]
+    """folder of the dataset"""
+    picture: Path | None = None
+    """PNG to draw (needs the extra `report`)"""
+    json: bool = False
+    """print one JSON object"""
+
+    def run(self) -> int:
+        """Compute, print and draw."""
+        import msgspec
+
+        from grasp_core.dataset.stats import compute_stats, draw_stats
+        from grasp_core.dataset.store import DatasetStore
+
+        with DatasetStore.open(self.path, readonly=True) as store:
+            stats = compute_stats(store)
+            if self.picture is not None:
+                draw_stats(store, stats, self.picture)
+        if self.json:
+            print(msgspec.json.encode(stats).decode())
+            return 0
+        print(f"scenes     {stats.scenes}, of them with a grasp of quality 1: {stats.graspable_scenes}")
+        print(f"attempts   {stats.attempts}, {stats.dynamic_share:.1%} took the engine, in {stats.seconds:.0f} s")
+        print("outcomes   " + ", ".join(f"{name} {share:.1%}" for name, share in stats.outcomes.items()))
+        print(f"quality    grasps in tenths from 0 to 1: {stats.quality}")
+        print(f"comfort    5, 25, 50, 75, 95 %: {stats.comfort_mm} mm, {stats.comfort_deg}°")
+        return 0

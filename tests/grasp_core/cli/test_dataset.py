@@ -63,3 +63,10 @@ def test_export_and_import(dataset, tmp_path, capsys):
     assert main(["dataset", "export", str(dataset), str(tmp_path / "e.jsonl")]) == 0
     assert main(["dataset", "import", str(dataset), str(tmp_path / "e.jsonl")]) == 0
     assert "0 label events added, 1 were there" in capsys.readouterr().out
+
+
+def test_stats(dataset, tmp_path, capsys):
+    assert main(["dataset", "stats", str(dataset), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["attempts"] == 8
+    assert main(["dataset", "stats", str(dataset)]) == 0
+    assert "outcomes" in capsys.readouterr().out
