@@ -16,6 +16,10 @@ from grasp_core.planning.planner import Plan
 Picture = NDArray[np.uint8]
 
 _SHOWN = 8
+_TALL = 480
+"""Pixels: about the height of a picture without its caption."""
+_AROUND = 70
+"""Pixels around the objects that are shown: the fingers stand there."""
 _GREEN, _AMBER, _RED = (80, 200, 60), (40, 170, 240), (60, 60, 230)
 _WHITE, _GREY, _BLACK = (255, 255, 255), (150, 150, 150), (0, 0, 0)
 _JAW = 0.02
@@ -31,14 +35,29 @@ def draw_failure(path: Path, image: DepthImage, plan: Plan | None, record: PlanR
         plan: of an image-based planner, with its quality map; None for scene planners.
         record: what was executed and how it ended.
     """
-    panels = [depth_picture(image)]
+    rows, columns = around_objects(image)
+    zoom = max(1, round(_TALL / (rows.stop - rows.start)))
+    depth = cv2.resize(depth_picture(image)[rows, columns], None, fx=zoom, fy=zoom, interpolation=cv2.INTER_NEAREST)
+    panels = [np.asarray(depth, np.uint8)]
     for rank, candidate in reversed(list(enumerate(record.candidates[:_SHOWN]))):
-        _draw_grasp(panels[0], image, candidate, best=rank == 0)
-    if plan is not None:
+        _draw_grasp(panels[0], image, candidate, (columns.start, rows.start), zoom, best=rank == 0)
+    if plan is not None and plan.quality_map.any():
         panels.append(_fit(heat_picture(plan.quality_map), panels[0].shape[0]))
     picture = _captioned(np.concatenate(panels, axis=1), _lines(record))
     path.parent.mkdir(parents=True, exist_ok=True)
     cv2.imwrite(str(path), picture)
+
+
+def around_objects(image: DepthImage) -> tuple[slice, slice]:
+    """Rows and columns of an image around what stands more than 1 cm above the table; all of it where nothing does."""
+    v, u = np.nonzero(image.valid & (image.points()[..., 2] > 0.01))
+    height, width = image.depth.shape
+    if not len(u):
+        return slice(0, height), slice(0, width)
+    # Noise far from the object stands above the table in places too: leave out the outermost shares.
+    (top, bottom), (left, right) = (np.percentile(axis, [1, 99]).astype(int) for axis in (v, u))
+    rows = slice(max(0, top - _AROUND), min(height, bottom + _AROUND))
+    return rows, slice(max(0, left - _AROUND), min(width, right + _AROUND))
 
 
 def contact_sheet(folder: Path, columns: int = 3, most: int = 30) -> Path | None:
@@ -82,19 +101,22 @@ def _fit(picture: Picture, height: int) -> Picture:
     return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_NEAREST), np.uint8)
 
 
-def _draw_grasp(picture: Picture, image: DepthImage, candidate: CandidateRecord, *, best: bool) -> None:
-    """The rectangle of a grasp: the sides where the fingers stand are thick; colour says how it went."""
+def _draw_grasp(
+    picture: Picture, image: DepthImage, candidate: CandidateRecord, corner: tuple[int, int], zoom: int, *, best: bool
+) -> None:
+    """The rectangle of a grasp; the best one's sides where the fingers stand are thick. Colour says how it went."""
     grasp = to_image(candidate.grasp, image.camera)
     jaw = _JAW * grasp.width / candidate.grasp.width
-    corners = np.rint(rectangle_corners(grasp.u, grasp.v, grasp.angle, grasp.width, jaw)).astype(int)
+    u, v = ((value - start + 0.5) * zoom for value, start in zip((grasp.u, grasp.v), corner, strict=True))
+    corners = np.rint(rectangle_corners(u, v, grasp.angle, grasp.width * zoom, jaw * zoom)).astype(int)
     share = candidate.successes / max(1, len(candidate.outcomes))
     colour = _GREEN if share == 1 else _AMBER if share > 0 else _RED
-    points = [(int(u), int(v)) for u, v in corners]
+    points = [(int(x), int(y)) for x, y in corners]
     cv2.polylines(picture, [corners.reshape(-1, 1, 2).astype(np.int32)], True, colour, 1, cv2.LINE_AA)
     if best:
         cv2.line(picture, points[1], points[2], colour, 3, cv2.LINE_AA)
         cv2.line(picture, points[3], points[0], colour, 3, cv2.LINE_AA)
-        cv2.circle(picture, (round(grasp.u), round(grasp.v)), 2, _WHITE, -1, cv2.LINE_AA)
+        cv2.circle(picture, (round(u), round(v)), 3, _WHITE, -1, cv2.LINE_AA)
 
 
 def _lines(record: PlanRecord) -> list[str]:

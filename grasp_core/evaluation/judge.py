@@ -16,7 +16,7 @@ from grasp_core.evaluation.benchmark import ORACLE, Benchmark
 from grasp_core.evaluation.gallery import draw_failure
 from grasp_core.evaluation.oracle import Oracle, Verified
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord, SceneRecord
-from grasp_core.evaluation.scenes import SceneSpec, make_scene, over_the_table
+from grasp_core.evaluation.scenes import SceneSpec, make_scene, over_the_table, shape_off
 from grasp_core.evaluation.seeds import child_seed, generator
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
@@ -79,7 +79,8 @@ def judge_scene(item: SceneItem) -> Judged | str:
         scene = make_scene(item.asset, item.pose, over_the_table(b.camera), item.spec, b.seed)
     except GraspError as error:
         return str(error)
-    image = add_noise(render(scene), b.image_noise, generator(b.seed, "image", name))
+    clean = render(scene)
+    image = add_noise(clean, b.image_noise, generator(b.seed, "image", name))
     trials = GraspTrial(scene, b.gripper, b.physics, b.grasp_noise)
     records = []
     for planner in item.planners:
@@ -99,7 +100,13 @@ def judge_scene(item: SceneItem) -> Judged | str:
     rows = [[float(value) for value in row] for row in scene.objects[0].world_from_object]
     quality = item.verified.grasps[0].score if item.verified.grasps else 0.0
     record_of_scene = SceneRecord(
-        item.spec, item.asset.category, item.probability, rows, item.verified.graspable, quality
+        spec=item.spec,
+        category=item.asset.category,
+        probability=item.probability,
+        world_from_object=rows,
+        graspable=item.verified.graspable,
+        quality=quality,
+        shape_off=round(shape_off(scene, clean.depth), 4),
     )
     return Judged(record_of_scene, tuple(records))
 

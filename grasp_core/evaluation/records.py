@@ -53,6 +53,8 @@ class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
         world_from_object: 4×4, rows.
         graspable: whether the oracle knows a grasp.
         quality: of its best grasp, re-tested with fresh seeds; 0 without one.
+        shape_off: share of the object's pixels at which its convex parts, which are simulated, stand more than 5 mm off
+            its mesh, which is seen: failures of such an object may be its parts' and not the planner's.
     """
 
     spec: SceneSpec
@@ -61,6 +63,7 @@ class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
     world_from_object: list[list[float]]
     graspable: bool
     quality: float
+    shape_off: float
 
 
 class CandidateRecord(msgspec.Struct, frozen=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -13,6 +14,7 @@ from grasp_core.errors import GraspError
 from grasp_core.evaluation.seeds import generator
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.scene import Scene, place
+from grasp_core.sensing.renderer import render
 
 MARGIN = 12
 """Pixels that stay free between an object and the border of the image."""
@@ -86,6 +88,24 @@ def make_scene(asset: ObjectAsset, pose: NDArray[np.float64], camera: Camera, sp
         f"{asset.name}: nowhere on the table does the camera see all of it; give a wider or higher camera, or leave"
         " the object out"
     )
+
+
+def shape_off(scene: Scene, exact: NDArray[np.float32]) -> float:
+    """Share of the object's pixels at which its convex parts stand more than 5 mm off its mesh.
+
+    Args:
+        scene: of one object.
+        exact: (H, W) its clean depth, metres.
+    """
+    placed = scene.objects[0]
+    parts = placed.asset.parts
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    faces = np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)]).astype(np.int32)
+    solid = replace(placed.asset, vertices=np.concatenate([part.vertices for part in parts]), faces=faces)
+    depth = render(Scene((replace(placed, asset=solid),), scene.camera)).depth
+    bare = render(Scene((), scene.camera)).depth
+    either = (np.abs(exact - bare) > 1e-4) | (np.abs(depth - bare) > 1e-4)
+    return float((np.abs(exact - depth)[either] > 0.005).mean()) if either.any() else 0.0
 
 
 def _footprint(camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -31,6 +31,7 @@ class PlannerSummary(msgspec.Struct, frozen=True):
         redrawn: executions whose solver diverged, on all scenes; they count as failures.
         weights: name and digest of what was planned with, one unless the weights changed under their name.
         objects: per object, top1 on graspable scenes.
+        shape_off: per object, the share of what is seen where its simulated parts stand off it; see `SceneRecord`.
     """
 
     top1: Rate
@@ -47,6 +48,7 @@ class PlannerSummary(msgspec.Struct, frozen=True):
     redrawn: int
     weights: list[str]
     objects: dict[str, Rate]
+    shape_off: dict[str, float]
 
 
 def summarise(log: Log, attempts: int) -> dict[str, PlannerSummary]:
@@ -95,6 +97,7 @@ def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> Plan
         redrawn=sum(bool(r) for _, plan in pairs for candidate in plan.candidates for r in candidate.redraws),
         weights=sorted({plan.weights for _, plan in pairs if plan.weights}),
         objects={name: _top1(plans, attempts) for name, plans in sorted(by_object.items())},
+        shape_off={scene.spec.object: scene.shape_off for scene, _ in sorted(good, key=lambda pair: pair[0].spec.name)},
     )
 
 
@@ -124,6 +127,7 @@ def text(summaries: dict[str, PlannerSummary]) -> str:
     ]
     head = ("planner", "top-1", "all candidates", "graspable", "empty", "abstained", "plan ms")
     objects = list(dict.fromkeys(name for s in summaries.values() for name in s.objects))
+    off = {name: f"{100 * s.shape_off[name]:.0f} %" for s in summaries.values() for name in s.shape_off}
     cells = [
         (
             name,
@@ -131,9 +135,10 @@ def text(summaries: dict[str, PlannerSummary]) -> str:
                 f"{s.objects[name].successes}/{s.objects[name].attempts}" if name in s.objects else "-"
                 for s in summaries.values()
             ),
+            off[name],
         )
         for name in objects
     ]
-    lines = [table(head, rows), "", table(("top-1 by object", *summaries), cells)]
+    lines = [table(head, rows), "", table(("top-1 by object", *summaries, "parts off"), cells)]
     lines += ["", *(f"{name}: {', '.join(f'{o} {n}' for o, n in s.outcomes.items())}" for name, s in summaries.items())]
     return "\n".join(lines)

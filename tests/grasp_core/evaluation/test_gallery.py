@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from grasp_core.camera import Camera, CameraIntrinsics, DepthImage, look_down
-from grasp_core.evaluation.gallery import contact_sheet, depth_picture, draw_failure, heat_picture
+from grasp_core.evaluation.gallery import around_objects, contact_sheet, depth_picture, draw_failure, heat_picture
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord
 from grasp_core.grasp import Grasp
 from grasp_core.planning.planner import Plan
@@ -14,7 +14,7 @@ CAMERA = Camera(CameraIntrinsics(250, 250, 159.5, 119.5, 320, 240), look_down(0.
 def image() -> DepthImage:
     depth = np.full((240, 320), 0.7)
     depth[100:140, 120:200] = 0.66
-    depth[:10] = np.nan
+    depth[:40] = np.nan
     return DepthImage.from_array(depth, CAMERA)
 
 
@@ -34,23 +34,37 @@ def test_a_failure_shows_its_grasps_coloured_by_how_they_went(tmp_path):
     path = tmp_path / "deep" / "one.png"
     draw_failure(path, image(), None, record(("COLLISION", "MISSED"), ("SUCCESS", "SUCCESS"), ("SUCCESS", "SLIPPED")))
     picture = cv2.imread(str(path))
-    assert picture.shape[0] > 240 and picture.shape[1] == 320  # the caption stands below
+    rows, columns = around_objects(image())
+    tall, wide = 3 * (rows.stop - rows.start), 3 * (columns.stop - columns.start)
+    assert picture.shape[0] > tall and picture.shape[1] == wide  # zoomed, and the caption stands below
     for colour in ((60, 60, 230), (80, 200, 60), (40, 170, 240)):
-        assert has(picture[:240], colour)
+        assert has(picture[:tall], colour)
 
 
 def test_the_quality_map_stands_beside_the_depth(tmp_path):
     quality = np.linspace(-1, 2, 300 * 400, dtype=np.float32).reshape(300, 400)
+    draw_failure(tmp_path / "alone.png", image(), None, record(("MISSED",)))
     plan = Plan((), None, image(), quality, None, np.zeros((0, 2)), (), {}, CAMERA, "", 0.0)
     draw_failure(tmp_path / "one.png", image(), plan, record(("MISSED",)))
     picture = cv2.imread(str(tmp_path / "one.png"))
-    assert picture.shape[1] == 320 + 320  # 300 × 400 fitted to the height of the depth
+    alone = cv2.imread(str(tmp_path / "alone.png"))
+    rows, _ = around_objects(image())
+    tall = 3 * (rows.stop - rows.start)
+    assert picture.shape[1] == alone.shape[1] + round(400 * tall / 300)  # fitted to the height of the depth
+
+
+def test_pictures_show_what_stands_on_the_table():
+    rows, columns = around_objects(image())
+    assert rows.start < 100 - 60 and rows.stop > 140 + 60 and columns.start < 120 - 60 and columns.stop > 200 + 60
+    assert columns.start > 0 and columns.stop < 320
+    bare = DepthImage.from_array(np.full((240, 320), 0.7), CAMERA)
+    assert around_objects(bare) == (slice(0, 240), slice(0, 320))
 
 
 def test_an_empty_plan_is_drawn_with_its_reason(tmp_path):
     draw_failure(tmp_path / "one.png", image(), None, record())
     picture = cv2.imread(str(tmp_path / "one.png"))
-    assert (picture[240:] < 100).any()
+    assert (picture[-40:] < 100).any()
 
 
 def test_holes_and_heights_can_be_told_apart():

@@ -1,5 +1,6 @@
 import math
 
+import msgspec
 import numpy as np
 import pytest
 import trimesh
@@ -58,7 +59,15 @@ def test_a_bar_is_graspable_and_its_grasps_hold_elsewhere_on_the_table():
 
 def test_a_slab_wider_than_the_gripper_is_not_graspable_and_the_whole_grid_says_so():
     verified = search(block(0.16, 0.16, 0.04), lying(0.04), GRIPPER, PHYSICS, NOISE, SMALL)
-    assert not verified.graspable and verified.whole and verified.tried == 5 * 5 * 2
+    assert not verified.graspable and verified.whole and verified.tried == 5 * 5 * 2 + 9 * 9 * 4
+
+
+def test_a_wall_between_the_grids_positions_is_found_by_the_finer_one():
+    asset, off = block(0.15, 0.03, 0.05), OracleSettings(grid=2, angles=1, finer=1, enough=1, attempts=1, retest=2)
+    # Two positions along each side: only the corners, and only the axis that the gripper cannot close on.
+    assert not search(asset, lying(0.05), GRIPPER, PHYSICS, NOISE, off).graspable
+    fine = search(asset, lying(0.05), GRIPPER, PHYSICS, NOISE, msgspec.structs.replace(off, finer=2))
+    assert fine.graspable and fine.tried > 4
 
 
 def test_placed_grasps_turn_and_move_with_the_object():

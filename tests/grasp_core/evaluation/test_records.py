@@ -8,7 +8,7 @@ from grasp_core.grasp import Grasp
 
 RUN = Run("folder", "keep", 0, 2, "default", "p", "g", "c", "n")
 SPEC = SceneSpec("mug", "abcdef", 0, 0)
-SCENE = SceneRecord(SPEC, "mug", 0.5, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], True, 1.0)
+SCENE = SceneRecord(SPEC, "mug", 0.5, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], True, 1.0, 0.0)
 CANDIDATE = CandidateRecord(
     Grasp((0.1, 0.0, 0.02), 0.3, 0.1), 0.9, ("SUCCESS", "SLIPPED"), (2**62, 2**62 + 1), (0, 0), (0.001, None)
 )

@@ -1,11 +1,14 @@
+import dataclasses
+
 import numpy as np
 import pytest
 import trimesh
 
 from grasp_core.camera import canonical_camera, load_camera, look_down
 from grasp_core.errors import GraspError
-from grasp_core.evaluation.scenes import MARGIN, SceneSpec, choose_poses, make_scene, over_the_table
+from grasp_core.evaluation.scenes import MARGIN, SceneSpec, choose_poses, make_scene, over_the_table, shape_off
 from grasp_core.objects.asset import ObjectAsset, Part
+from grasp_core.sensing.renderer import render
 
 
 def block(x: float = 0.12, y: float = 0.04, z: float = 0.03) -> ObjectAsset:
@@ -96,3 +99,11 @@ def test_asking_for_more_poses_keeps_the_first_ones():
     for seed in range(20):
         four = choose_poses([0.4, 0.3, 0.2, 0.1], 4, seed, "mug")
         assert choose_poses([0.4, 0.3, 0.2, 0.1], 2, seed, "mug") == four[:2]
+
+
+def test_parts_that_stand_off_the_mesh_are_measured():
+    true = make_scene(block(), resting(), CAMERAS["primesense"], spec(), 0)
+    assert shape_off(true, render(true).depth) == 0
+    bloated = dataclasses.replace(block(), parts=block(0.12, 0.08, 0.03).parts)
+    off = make_scene(bloated, resting(), CAMERAS["primesense"], spec(), 0)
+    assert shape_off(off, render(off).depth) == pytest.approx(0.5, abs=0.05)  # half of the broader parts is not seen

@@ -21,7 +21,7 @@ def log_of(*scenes: tuple[str, bool, dict[str, list[CandidateRecord]]], ms: floa
     log = Log(Run("f", "keep", 0, 2, "default", "p", "g", "c", "n"))
     for number, (name, graspable, plans) in enumerate(scenes):
         spec = SceneSpec(name, "abcd", 0, number)
-        log.add(SceneRecord(spec, name, 1.0, POSE, graspable, 1.0 if graspable else 0.0))
+        log.add(SceneRecord(spec, name, 1.0, POSE, graspable, 1.0 if graspable else 0.0, 0.1))
         for planner, candidates in plans.items():
             reason = None if candidates else "all below t"
             log.add(PlanRecord(spec.name, planner, ms * (number + 1), reason, tuple(candidates)))
@@ -84,7 +84,7 @@ def test_text_shows_planners_objects_and_outcomes():
     shown = text(summarise(log, 2))
     assert "75.0 %" in shown and "50.0 %" in shown
     (pen,) = [line for line in shown.splitlines() if line.startswith("pen")]
-    assert pen.split() == ["pen", "1/2", "-"]
+    assert pen.split() == ["pen", "1/2", "-", "10", "%"]
     assert "a: SLIPPED 1, SUCCESS 3" in shown
 
 
