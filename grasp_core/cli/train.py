@@ -134,7 +134,7 @@ class Assess:
         found = assess(runtime, scenes, corpus.gripper.opening, seed=self.seed)
         self.out.mkdir(parents=True, exist_ok=True)
         classifier_figure(self.out / "refined.png", found.scores, found.labels)
-        shown = list(range(0, len(scenes), max(1, len(scenes) // 24)))[:24]
+        shown = [index * len(scenes) // 24 for index in range(24)] if len(scenes) > 24 else range(len(scenes))
         maps_figure(self.out / "regression.png", [scenes[k] for k in shown], [found.maps[k] for k in shown])
         per_object = found.by_object()
         if self.json:

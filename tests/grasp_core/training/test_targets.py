@@ -54,3 +54,32 @@ def test_rectangle_is_centred_and_clipped_at_the_border() -> None:
     assert rows.mean() == pytest.approx(40, abs=0.5)
     clipped = draw_target((80, 100), np.array([[0.0, 0.0]]), np.zeros(1), np.full(1, 30.0), np.ones(1))
     assert clipped[0, 0] == 1
+
+
+def test_blur_puts_the_best_pixel_inside_a_plateau() -> None:
+    pixels = np.array([[u, 40.0] for u in range(30, 71, 4)])
+    count = len(pixels)
+    target = draw_target((80, 100), pixels, np.zeros(count), np.full(count, 30.0), np.ones(count), blur=6.0)
+    v, u = np.unravel_index(int(np.argmax(target)), target.shape)
+    assert abs(u - 50) <= 2
+    assert abs(v - 40) <= 2
+    assert target.max() < 1.0
+
+
+def test_mean_of_overlaps_is_the_share_of_success() -> None:
+    labels = np.tile([1.0, 0.0, 0.0, 0.0], 100)
+    count = len(labels)
+    pixels = np.full((count, 2), 40.0)
+    target = draw_target((80, 100), pixels, np.zeros(count), np.full(count, 30.0), labels, overlap="mean")
+    assert target[40, 40] == pytest.approx(0.25, abs=0.01)
+    assert target[40, 60] == 0
+    lone = draw_target((80, 100), pixels[:1], np.zeros(1), np.full(1, 30.0), np.ones(1), overlap="mean")
+    assert 0 < lone.max() < 0.3  # one lucky grasp is no peak
+
+
+def test_mean_clips_at_every_border() -> None:
+    pixels = np.array([[0.0, 0.0], [99.0, 79.0], [-200.0, 40.0], [50.0, 400.0]])
+    target = draw_target((80, 100), pixels, np.full(4, 0.5), np.full(4, 30.0), np.ones(4), overlap="mean")
+    assert target[0, 0] > 0
+    assert target[79, 99] > 0
+    assert target[40, 50] == 0
