@@ -1,19 +1,12 @@
 """Convex decomposition, made once per mesh, and the making of assets.
 
-CoACD runs in a process of its own that ends at a limit of processor time, with a fixed seed on one thread. Its result,
-or the fallback that was taken, is kept in the user's cache folder under the content of the mesh.
+The result, or the fallback that was taken, is kept in the user's cache folder under the content of the mesh.
 """
 
 from __future__ import annotations
 
 import hashlib
 import importlib.metadata
-import math
-import os
-import signal
-import subprocess
-import sys
-import tempfile
 import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -27,30 +20,25 @@ from numpy.typing import NDArray
 
 from grasp_core.errors import MeshError
 from grasp_core.objects.asset import ObjectAsset, Part
+from grasp_core.objects.coacd_process import SETTINGS, run_coacd
 from grasp_core.objects.hulls import arrays, convex_part, mass_properties, solid
 
-VERSION = 2
+VERSION = 3
 """Raise this when the parts of a mesh would come out differently: it is part of the cache's key."""
-
-SETTINGS: dict[str, dict[str, float | int]] = {
-    "coacd": {"resolution": 400, "mcts_nodes": 8, "mcts_iterations": 20, "mcts_max_depth": 2, "preprocess": 24},
-    "coacd, coarse": {"resolution": 300, "mcts_nodes": 5, "mcts_iterations": 10, "mcts_max_depth": 1, "preprocess": 16},
-}
-"""CoACD's search, tried in this order: less effort when the first takes too long."""
-
-CONCAVITY = 0.05
-"""Concavity that CoACD lets be, in units of the mesh's longest side."""
-
-PATIENCE = 6.0
-"""A busy machine may take so many times longer, by the clock, than the processor time that is allowed."""
 
 NEARLY_CONVEX = 0.985
 """A closed body that fills this share of its hull is one part."""
 
+MOST_MERGED = 120
+"""Up to so many convex bodies are merged into fewer parts, if …"""
+
+MERGED_VOLUME = 1.3
+"""… these fill no more than so many times the bodies' own volume; CoACD is asked otherwise."""
+
 
 @dataclass(frozen=True)
 class Decomposition:
-    """Convex parts in the frame of the mesh, and how they came about ("exact…", "coacd…" or "hull…")."""
+    """Convex parts in the frame of the mesh, and how they came about ("exact…", "merged…", "coacd…" or "hull…")."""
 
     parts: tuple[Part, ...]
     method: str
@@ -75,9 +63,9 @@ def decompose(
 ) -> Decomposition:
     """Split a mesh into at most `max_parts` closed convex parts of at most `max_vertices` vertices.
 
-    Meshes whose few bodies are convex already keep them. Everything else goes to CoACD; when that fails or takes
-    longer than `timeout_s`, it tries again coarsely; then each body becomes its hull (few bodies) or the whole mesh one
-    hull, and `method` says so.
+    Meshes whose few bodies are convex already keep them; many convex bodies are merged. Everything else goes to CoACD;
+    when that fails or takes longer than `timeout_s`, it tries again coarsely; then each body becomes its hull (few
+    bodies) or the whole mesh one hull, and `method` says so.
 
     Args:
         mesh: any triangle mesh; it may be open, wound badly or of many bodies.
@@ -131,6 +119,11 @@ def _decompose(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int, timeout
     if len(bodies) <= max_parts and all(body.convex for body in bodies):
         parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
         return Decomposition(tuple(parts), "exact: " + ("convex" if len(parts) == 1 else f"{len(parts)} convex bodies"))
+    if len(bodies) <= MOST_MERGED and all(body.convex for body in bodies):
+        parts = merged([body.mesh.vertices for body in bodies], max_parts, max_vertices)
+        union = manifold3d.Manifold.batch_boolean([body.solid for body in bodies], manifold3d.OpType.Add)
+        if mass_properties(parts).volume <= MERGED_VOLUME * union.volume():
+            return Decomposition(tuple(parts), f"merged: {len(bodies)} convex bodies into {len(parts)} parts")
     if all(body.closed for body in bodies):
         union = manifold3d.Manifold.batch_boolean([body.solid for body in bodies], manifold3d.OpType.Add)
         vertices, faces = arrays(union)
@@ -138,7 +131,7 @@ def _decompose(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int, timeout
     else:
         vertices, faces, preprocess = np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32), "on"
     for name in SETTINGS:
-        hulls, why = _coacd(vertices, faces, preprocess, name, max_parts, timeout_s)
+        hulls, why = run_coacd(vertices, faces, preprocess, name, max_parts, timeout_s)
         if hulls:
             parts = _solid_parts([convex_part(points, max_vertices) for points in hulls])
             return Decomposition(tuple(parts), f"{name}: {len(parts)} parts")
@@ -147,6 +140,29 @@ def _decompose(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int, timeout
         parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
         return Decomposition(tuple(parts), f"hull: of each body, {why}")
     return Decomposition((convex_part(mesh.vertices, max_vertices),), f"hull: of the whole, {why}")
+
+
+def merged(pieces: Sequence[NDArray[np.float64]], max_parts: int, max_vertices: int = 24) -> list[Part]:
+    """Convex pieces (N, 3) grown together, always the two whose hull adds the least space, until few are left."""
+    points = list(pieces)
+    volumes = [manifold3d.Manifold.hull_points(one).volume() for one in points]
+
+    def cost(i: int, j: int) -> float:
+        both = manifold3d.Manifold.hull_points(np.concatenate([points[i], points[j]])).volume()
+        return both - volumes[i] - volumes[j]
+
+    alive = list(range(len(points)))
+    costs = {(i, j): cost(i, j) for i in alive for j in alive if j < i}
+    while len(alive) > max_parts:
+        i, j = min(costs, key=lambda pair: (costs[pair], pair))
+        points.append(arrays(manifold3d.Manifold.hull_points(np.concatenate([points[i], points[j]])))[0])
+        volumes.append(manifold3d.Manifold.hull_points(points[-1]).volume())
+        alive = [k for k in alive if k not in (i, j)]
+        costs = {pair: value for pair, value in costs.items() if not {i, j} & set(pair)}
+        new = len(points) - 1
+        costs |= {(new, k): cost(new, k) for k in alive}
+        alive.append(new)
+    return [convex_part(points[k], max_vertices) for k in alive]
 
 
 def _bodies(mesh: trimesh.Trimesh) -> list[_Body]:
@@ -168,57 +184,6 @@ def _solid_parts(parts: list[Part]) -> list[Part]:
     """The parts without slivers (under 1e-5 of the largest)."""
     volumes = np.array([abs(part.mesh.volume) for part in parts])
     return [part for part, volume in zip(parts, volumes, strict=True) if volume > 1e-5 * volumes.max()]
-
-
-def _coacd(
-    vertices: NDArray, faces: NDArray, preprocess: str, settings: str, max_parts: int, timeout_s: float
-) -> tuple[list[NDArray[np.float64]], str]:
-    """Hull points of CoACD's parts, or an empty list and the reason."""
-    with tempfile.TemporaryDirectory(prefix="grasp-parts-") as folder:
-        given, made = Path(folder) / "mesh.npz", Path(folder) / "parts.npz"
-        np.savez(given, vertices=vertices, faces=faces)
-        command = [sys.executable, "-m", "grasp_core.objects.decomposition", str(given), str(made)]
-        command += [preprocess, settings, str(max_parts), str(timeout_s)]
-        paths = os.pathsep.join(path for path in sys.path if path)
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": paths}
-        try:
-            done = subprocess.run(
-                command, env=environment, capture_output=True, timeout=PATIENCE * timeout_s, check=False
-            )
-        except subprocess.TimeoutExpired:
-            return [], f"CoACD took longer than {timeout_s:g} s"
-        if -done.returncode in (getattr(signal, "SIGXCPU", None), signal.SIGKILL if os.name == "posix" else None):
-            return [], f"CoACD took longer than {timeout_s:g} s"
-        if done.returncode or not made.is_file():
-            return [], f"CoACD failed (status {done.returncode})"
-        with np.load(made) as found:
-            return [found[name] for name in sorted(found.files)], ""
-
-
-def _child(given: str, made: str, preprocess: str, settings: str, max_parts: str, timeout_s: str) -> None:
-    """What runs in CoACD's own process; it ends itself at its limit, also when its parent is gone."""
-    try:
-        import resource
-
-        limit = math.ceil(float(timeout_s))
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
-    except ImportError:  # not on Windows, where the parent's clock must do
-        pass
-    import coacd
-
-    coacd.set_log_level("error")
-    search = dict(SETTINGS[settings])
-    with np.load(given) as mesh:
-        found = coacd.run_coacd(
-            coacd.Mesh(mesh["vertices"], mesh["faces"]),
-            threshold=CONCAVITY,
-            max_convex_hull=int(max_parts),
-            preprocess_mode=preprocess,
-            preprocess_resolution=search.pop("preprocess"),
-            seed=0,
-            **search,
-        )
-    np.savez(made, **{f"{i:03d}": np.asarray(vertices) for i, (vertices, _) in enumerate(found)})  # type: ignore[arg-type]
 
 
 def _read(file: Path) -> Decomposition | None:
@@ -299,7 +264,3 @@ def build_asset(
         source=source,
         meta=dict(meta or {}),
     )
-
-
-if __name__ == "__main__":
-    _child(*sys.argv[1:])

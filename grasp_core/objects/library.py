@@ -61,6 +61,10 @@ def load_object(
         category: its class; the name without a number at its end by default.
         timeout_s: for the decomposition.
 
+    Returns:
+        The asset. `meta["filled"]` is the parts' volume over the mesh's where the mesh is closed: far above 1
+        (lattices, cages) the parts are a poor likeness and the object is better left out of training.
+
     Raises:
         MeshError: unreadable, unusable or of an impossible size; the message names the file and the way out.
     """
@@ -80,7 +84,7 @@ def load_object(
     meta["scale"] = f"{factor:.6g}"
     mesh = trimesh.Trimesh(np.asarray(mesh.vertices) * factor, mesh.faces, process=False)
     try:
-        return build_asset(
+        asset = build_asset(
             name,
             category,
             mesh,
@@ -93,6 +97,9 @@ def load_object(
         )
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
+    if mesh.is_watertight and mesh.volume > 0:
+        asset.meta["filled"] = f"{asset.volume / mesh.volume:.3f}"
+    return asset
 
 
 def _factor(path: Path, mesh: trimesh.Trimesh, scale: Scale, seed: int) -> float:

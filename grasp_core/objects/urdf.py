@@ -194,11 +194,11 @@ def _parts(meshes: list[trimesh.Trimesh], max_parts: int, timeout_s: float) -> t
             parts += [convex_part(body.vertices) for body in bodies]
             methods.append("exact")
         else:
-            found = decompose(united(mesh), max_parts=max_parts, timeout_s=timeout_s)
+            found = decompose(mesh, max_parts=max_parts, timeout_s=timeout_s)
             parts += found.parts
             methods.append(found.method)
     if len(parts) > MOST_CONVEX:
-        found = decompose(united(_together(meshes)), max_parts=max_parts, timeout_s=timeout_s)
+        found = decompose(_together(meshes), max_parts=max_parts, timeout_s=timeout_s)
         return found.parts, found.method
     if set(methods) == {"exact"}:
         return tuple(parts), f"exact: {len(parts)} collision pieces"

@@ -37,6 +37,15 @@ def test_few_convex_bodies_keep_their_shape_and_their_place():
     assert np.allclose(np.concatenate([p.vertices for p in found.parts]).min(axis=0), [-0.05, -0.01, -0.01], atol=1e-6)
 
 
+def test_many_convex_bodies_are_merged_where_that_adds_little():
+    steps = [trimesh.creation.box((0.011, 0.02, 0.02)).apply_translation((0.01 * i, 0, 0)) for i in range(12)]
+    upright = [trimesh.creation.box((0.02, 0.02, 0.011)).apply_translation((0, 0, 0.03 + 0.01 * i)) for i in range(5)]
+    found = decompose(trimesh.util.concatenate([*steps, *upright]), max_parts=2)
+    assert found.method == "merged: 17 convex bodies into 2 parts"
+    assert_closed(found.parts)
+    assert sum(part.mesh.volume for part in found.parts) == pytest.approx(0.121 * 4e-4 + 0.051 * 4e-4, rel=0.01)
+
+
 def test_concave_mesh_is_cut_by_coacd_the_same_way_every_time(tmp_path, monkeypatch):
     ring = trimesh.creation.annulus(0.03, 0.05, 0.02, sections=16)
     first = decompose(ring, max_parts=6)
