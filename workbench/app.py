@@ -29,7 +29,7 @@ log = logging.getLogger("workbench")
 
 ATTEMPTS = 5
 """In a trial (the paper's number)."""
-FIRST = SceneRequest(family="mug", shape=3, pose=0, place=1, planner="antipodal")
+FIRST = SceneRequest(family="toy_plane", shape=0, pose=0, place=1, planner="cascade")
 """What a new browser opens on."""
 
 
@@ -62,8 +62,9 @@ class Workbench:
             planners = tuple(sorted(config.shipped("planners"), key=lambda name: (name != first.planner, name)))
             self._catalogue = Catalogue(tuple(sorted(FAMILIES)), planners, gripper, ATTEMPTS)
             self._sessions = Sessions(lambda: State(self._catalogue, first), self._woken.set)
-            self.dataset = (dataset or default_dataset()).expanduser().resolve()
-            self._ledger = Ledger(self.dataset, gripper, load_physics())
+            physics = load_physics()
+            self.dataset = (dataset or default_dataset(gripper, physics)).expanduser().resolve()
+            self._ledger = Ledger(self.dataset, gripper, physics)
             self._ledger.check()
             self._server, self.url = serve(host, port)
         except BaseException:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import itertools
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -16,6 +17,7 @@ from grasp_core.dataset.database import FILE
 from grasp_core.dataset.events import LabelEvent
 from grasp_core.dataset.rows import AttemptRow, StoredPose
 from grasp_core.dataset.store import DatasetStore
+from grasp_core.errors import MismatchError
 from grasp_core.gripper import Gripper
 from grasp_core.simulation.physics import Physics
 from workbench.orders import Judgement, OpenedScene, Try
@@ -31,9 +33,22 @@ class Source(config.Settings):
     made_by: str = "grasp-workbench"
 
 
-def default_dataset() -> Path:
-    """The user's own dataset, in their data folder."""
-    return Path(platformdirs.user_data_dir("grasp-workbench")) / "workbench"
+def default_dataset(gripper: Gripper, physics: Physics) -> Path:
+    """The user's own dataset, in their data folder.
+
+    After an update that changed gripper or physics the old one is left as it is and the next name is taken.
+
+    Raises:
+        StoreError: a dataset there cannot be read.
+    """
+    folder = Path(platformdirs.user_data_dir("grasp-workbench"))
+    for name in itertools.chain(["workbench"], (f"workbench-{number}" for number in itertools.count(2))):
+        try:
+            Ledger(folder / name, gripper, physics).check()
+        except MismatchError:
+            continue
+        return folder / name
+    raise AssertionError("names never end")
 
 
 def person() -> str:

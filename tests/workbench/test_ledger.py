@@ -1,6 +1,8 @@
 import getpass
 
+import msgspec
 import numpy as np
+import platformdirs
 import pytest
 
 from grasp_core.dataset.store import DatasetStore
@@ -48,8 +50,6 @@ def test_a_grasp_that_was_not_tried_can_be_judged(ledger, opened):
 
 
 def test_a_dataset_of_another_gripper_is_refused(ledger, opened):
-    import msgspec
-
     ledger.record(opened, 0, "good", [])
     other = msgspec.structs.replace(load_gripper(), force=99.0)
     with pytest.raises(MismatchError):
@@ -63,9 +63,15 @@ def test_what_is_no_dataset_is_refused(tmp_path):
         Ledger(tmp_path, load_gripper(), load_physics()).check()
 
 
-def test_the_user_s_own_dataset_is_in_their_data_folder(monkeypatch, tmp_path):
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    assert default_dataset().name == "workbench" and "grasp-workbench" in str(default_dataset())
+def test_the_user_s_own_dataset_is_in_their_data_folder(monkeypatch, tmp_path, opened):
+    monkeypatch.setattr(platformdirs, "user_data_dir", lambda name: str(tmp_path / name))
+    gripper, physics = load_gripper(), load_physics()
+    path = default_dataset(gripper, physics)
+    assert path == tmp_path / "grasp-workbench" / "workbench"
+    Ledger(path, gripper, physics).record(opened, 0, "good", [])
+    assert default_dataset(gripper, physics) == path
+    other = msgspec.structs.replace(gripper, force=99.0)
+    assert default_dataset(other, physics).name == "workbench-2", "an update leaves the old one alone"
 
 
 def test_there_is_always_a_name(monkeypatch):
