@@ -69,9 +69,14 @@ def depth(values: NDArray[np.float32], valid: NDArray[np.bool_], near: float, fa
     return shown
 
 
-def heat(values: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Quality map (H, W) → RGB (H, W, 3), clipped to [0, 1] for display only."""
-    grey = (np.clip(np.nan_to_num(values), 0, 1) * 255).astype(np.uint8)
+def heat_top(values: NDArray[np.float32]) -> float:
+    """Where the colours of a quality map end: its largest value, rounded up to 0.05, in [0.05, 1]."""
+    return float(np.clip(np.ceil(np.nan_to_num(values).max() * 20) / 20, 0.05, 1.0))
+
+
+def heat(values: NDArray[np.float32], top: float = 1.0) -> NDArray[np.uint8]:
+    """Quality map (H, W) → RGB (H, W, 3), clipped to [0, top] for display only."""
+    grey = (np.clip(np.nan_to_num(values) / top, 0, 1) * 255).astype(np.uint8)
     return np.ascontiguousarray(cv2.cvtColor(cv2.applyColorMap(grey, cv2.COLORMAP_INFERNO), cv2.COLOR_BGR2RGB))
 
 

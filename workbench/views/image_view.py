@@ -119,8 +119,9 @@ def quality_view(opened: OpenedScene) -> str:
             f"<title>{told}</title></circle>"
         )
     hint = "The Regression Network's guess of how good a grasp at each pixel can be"
-    shown = _frame("quality", colours.heat(values), marks, window(opened))
+    top = colours.heat_top(values)
+    shown = _frame("quality", colours.heat(values, top), marks, window(opened))
     return (
         f'<figure><figcaption title="{hint}">Quality map <small>with region and samples</small></figcaption>{shown}'
-        f"{_legend('0', colours.heat_gradient(), '1')}</figure>"
+        f"{_legend('0', colours.heat_gradient(), f'{top:.2f}')}</figure>"
     )

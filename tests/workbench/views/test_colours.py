@@ -45,6 +45,12 @@ def test_quality_is_clipped_for_display_only():
     picture = colours.heat(values)
     assert (picture[0, 0] == picture[0, 1]).all() and (picture[0, 2] == picture[0, 3]).all()
     assert values[0, 3] == 9.0
+    assert (colours.heat(np.array([[0.25]], np.float32), 0.25) == picture[0, 2]).all()
+
+
+@pytest.mark.parametrize("largest, top", [(0.0, 0.05), (0.23, 0.25), (0.9, 0.9), (7.0, 1.0), (-1.0, 0.05)])
+def test_the_colours_of_a_map_end_at_its_largest_value(largest, top):
+    assert colours.heat_top(np.array([[largest, -2.0]], np.float32)) == pytest.approx(top)
 
 
 @pytest.mark.parametrize("value", [0, 128, 255])

@@ -46,6 +46,7 @@ def test_the_views_say_what_they_show(opened, bridge):
     page = quality_view(opened)
     assert 'data-view="quality"' in page and "gw-region" in page
     assert page.count("<circle") == 3
+    assert "0.70</span>" in page, "the legend ends at the map's largest value"
 
 
 def test_a_planner_without_a_map_says_so(opened, empty_scene):
