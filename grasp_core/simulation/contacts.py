@@ -24,46 +24,51 @@ class Touch:
     force: NDArray[np.float64]
 
 
-def _split(name: str) -> tuple[str, str]:
-    owner, _, rest = name.partition("/")
-    return owner, rest
+class ContactReader:
+    """Reads DART's contacts; knows every shape that belongs to a finger or an object.
 
+    DART hands out the same Python object for a shape for as long as one is kept, so shapes are told apart by identity;
+    asking each for its name takes ten times as long.
+    """
 
-def touches(contacts: Iterable[Any]) -> list[Touch]:
-    """DART's contacts between fingers and objects; normals point out of the object."""
-    found = []
-    for contact in contacts:
-        first, _ = _split(contact.collisionObject1.getShapeFrame().getName())
-        second, _ = _split(contact.collisionObject2.getShapeFrame().getName())
-        # DART's normal and force point from the second body to the first.
-        if second in FINGERS and first.startswith("object_"):
-            finger, item, sign = second, first, 1.0
-        elif first in FINGERS and second.startswith("object_"):
-            finger, item, sign = first, second, -1.0
-        else:
-            continue
-        found.append(
-            Touch(
-                FINGERS.index(finger),
-                int(item.removeprefix("object_")),
-                np.array(contact.point),
-                -sign * np.array(contact.normal),
-                sign * np.array(contact.force),
-            )
-        )
-    return found
+    def __init__(self, shapes: Iterable[Any]) -> None:
+        """Keep the shape nodes of a world; their names begin with "left_finger/", "right_finger/" or "object_N/"."""
+        self._fingers: dict[Any, int] = {}
+        self._objects: dict[Any, int] = {}
+        for shape in shapes:
+            owner = shape.getName().split("/")[0]
+            if owner in FINGERS:
+                self._fingers[shape] = FINGERS.index(owner)
+            elif owner.startswith("object_"):
+                self._objects[shape] = int(owner.removeprefix("object_"))
 
+    def touched(self, contacts: Iterable[Any]) -> tuple[set[int], set[int]]:
+        """Indices of the objects that the left and the right finger touch."""
+        sides: tuple[set[int], set[int]] = (set(), set())
+        for contact in contacts:
+            first = contact.collisionObject1.getShapeFrame()
+            second = contact.collisionObject2.getShapeFrame()
+            if second in self._fingers and first in self._objects:
+                sides[self._fingers[second]].add(self._objects[first])
+            elif first in self._fingers and second in self._objects:
+                sides[self._fingers[first]].add(self._objects[second])
+        return sides
 
-def touched(contacts: Iterable[Any]) -> tuple[set[int], set[int]]:
-    """Indices of the objects that the left and the right finger touch, from DART's contacts."""
-    sides: tuple[set[int], set[int]] = (set(), set())
-    for contact in contacts:
-        first, _ = _split(contact.collisionObject1.getShapeFrame().getName())
-        second, _ = _split(contact.collisionObject2.getShapeFrame().getName())
-        for finger, item in ((first, second), (second, first)):
-            if finger in FINGERS and item.startswith("object_"):
-                sides[FINGERS.index(finger)].add(int(item.removeprefix("object_")))
-    return sides
+    def touches(self, contacts: Iterable[Any]) -> list[Touch]:
+        """Contacts between fingers and objects; normals point out of the object."""
+        found = []
+        for contact in contacts:
+            first = contact.collisionObject1.getShapeFrame()
+            second = contact.collisionObject2.getShapeFrame()
+            # DART's normal and force point from the second body to the first.
+            if second in self._fingers and first in self._objects:
+                finger, item, sign = self._fingers[second], self._objects[first], 1.0
+            elif first in self._fingers and second in self._objects:
+                finger, item, sign = self._fingers[first], self._objects[second], -1.0
+            else:
+                continue
+            found.append(Touch(finger, item, contact.point, -sign * contact.normal, sign * contact.force))
+        return found
 
 
 def finger_contacts(

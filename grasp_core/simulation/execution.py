@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -11,12 +12,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from grasp_core.grasp import Grasp
-from grasp_core.simulation.contacts import finger_contacts
+from grasp_core.simulation.contacts import Touch, finger_contacts
 from grasp_core.simulation.engine import Engine
 from grasp_core.simulation.evidence import (
     Comfort,
     Evidence,
-    FingerContact,
     Outcome,
     hold_words,
     millimetres,
@@ -24,16 +24,19 @@ from grasp_core.simulation.evidence import (
 )
 from grasp_core.simulation.recorder import Recorder
 
-_STILL = 0.001
-"""m/s: slower fingers stand still."""
-_LOOK = 5
-"""Steps between two looks at the state: Python stays out of the steps between."""
+_LOOK = 0.02
+"""s between two looks at the state: Python stays out of the steps between."""
+_FLICKER = 5
+"""Steps in which both fingers must touch an object at least once to hold it: single contacts come and go."""
+_STILL = 0.005
+"""m/s, mean between two looks: slower fingers stand still. Single steps say little: contacts on facets come and go, and
+a pad chatters at 5-20 mm/s about its place."""
+_REST = (0.002, math.radians(5))
+"""m/s and rad/s, mean between two looks: an object slower than this relative to the gripper rests in it."""
+_AGAIN = 2
+"""Looks in a row at which fingers or object must be found still."""
 _CLEAR = 0.005
 """m: an object whose lowest point is higher is clear of the table."""
-_SLIDE = (0.002, 0.05)
-"""m/s and rad/s: an object slower than this relative to the gripper is at rest in it."""
-_REST = 4
-"""Looks in a row at which an object must be at rest in the gripper before a lift may end early."""
 _LOST = 0.06
 """s without any touch after which an object is lost: the fingers have then met at the centre plane."""
 
@@ -42,12 +45,15 @@ _LOST = 0.06
 class _State:
     """What is known while an attempt runs."""
 
-    held: tuple[FingerContact | None, FingerContact | None] = (None, None)
+    objects: frozenset[int] = frozenset()
+    touches: list[Touch] = field(default_factory=list)
+    touches_lift: float = 0.0
     held_lift: float = 0.0
     held_time: float = 0.0
-    held_place: NDArray[np.float64] | None = None
     loose: float = 0.0
     rest: int = 0
+    kept: bool = False
+    seen: dict[int, NDArray[np.float64]] = field(default_factory=dict)
     travel: tuple[float, float] = (0.0, 0.0)
     start: list[NDArray[np.float64]] = field(default_factory=list)
 
@@ -64,6 +70,8 @@ class Execution:
         self.engine = engine
         self._poses = list(poses)
         self._physics = engine.physics
+        self._steps = max(1, round(_LOOK / engine.physics.time_step))
+        self._look = self._steps * engine.physics.time_step
         self._hulls = [np.asarray(item.asset.hull.vertices, float) for item in engine.objects]
 
     def run(
@@ -90,15 +98,15 @@ class Execution:
             return unstable
         left, right = engine.travel
         state.travel = (round(left - opened, 6), round(right - opened, 6))
-        sides = engine.touched()
+        sides = self._sides(0.0)
         if not (sides[0] and sides[1]):
             gap = engine.spec.opening - left - right
             words = "closed on nothing" + ("" if gap < 0.001 else f": the fingers stopped {millimetres(gap)} apart")
             if sides[0] or sides[1]:
                 words += f"; only the {'left' if sides[0] else 'right'} finger touched the object"
             return Outcome.MISSED, Evidence(words=words, travel=state.travel), None
-        self._hold(state, grasp)
-        if not self._lift(state, grasp, whole, recorder):
+        self._hold(state)
+        if not self._lift(state, whole, recorder):
             return unstable
         return self._verdict(state, grasp)
 
@@ -106,26 +114,29 @@ class Execution:
         """Close until both fingers stand still; False if the solver diverged."""
         engine = self.engine
         calm = 0
-        for _ in range(int(self._physics.closing_time / self._physics.time_step / _LOOK)):
-            engine.advance(_LOOK)
+        way = _STILL * self._look
+        before = engine.travel
+        for _ in range(round(self._physics.closing_time / self._look)):
+            engine.advance(self._steps)
             if recorder:
                 recorder.frame(engine, "close")
             if engine.diverged:
                 return False
-            calm = calm + 1 if engine.fastest < _STILL else 0
-            if calm >= 2:
+            now = engine.travel
+            calm = calm + 1 if max(abs(now[0] - before[0]), abs(now[1] - before[1])) < way else 0
+            if calm >= _AGAIN:
                 break
+            before = now
         return True
 
-    def _hold(self, state: _State, grasp: Grasp) -> bool:
+    def _hold(self, state: _State) -> bool:
         """Look at the grip; True and noted if both fingers touch an object."""
         found = self.engine.touches()
         if not ({touch.finger for touch in found} >= {0, 1}):
             return False
-        frame = grasp.world_from_gripper
-        frame[2, 3] += self.engine.lift
-        state.held = finger_contacts(found, frame)
-        state.held_place = np.mean([touch.point for touch in found], axis=0)
+        state.touches = found
+        state.touches_lift = self.engine.lift
+        state.objects = frozenset(touch.object for touch in found)
         self._still_held(state)
         return True
 
@@ -134,14 +145,13 @@ class Execution:
         state.held_time = self.engine.time
         state.loose = 0.0
 
-    def _lift(self, state: _State, grasp: Grasp, whole: bool, recorder: Recorder | None) -> bool:
+    def _lift(self, state: _State, whole: bool, recorder: Recorder | None) -> bool:
         """Lift to the full height, or until the verdict is certain; False if the solver diverged."""
         engine, physics = self.engine, self._physics
-        look = _LOOK * physics.time_step
-        speed = 0.0
+        look, speed = self._look, 0.0
         while engine.lift < physics.lift_height:
             gain = min(physics.lift_speed * look / physics.lift_ramp, physics.lift_speed - speed)
-            engine.advance(_LOOK, speed, gain / look)
+            engine.advance(self._steps, speed, gain / look)
             speed += gain
             if recorder:
                 recorder.frame(engine, "lift")
@@ -150,46 +160,61 @@ class Execution:
             state.rest = state.rest + 1 if self._resting(state) else 0
             if state.rest:  # its contacts stay what they were: no need to read them again
                 self._still_held(state)
-                early = not whole and state.rest >= _REST and engine.lift >= physics.early_height
-                if early and self._clear(state) and self._hold(state, grasp):
+                early = not whole and state.rest >= _AGAIN and engine.lift >= physics.early_height
+                if early and self._clear(state) and self._hold(state):
                     break
-            elif not self._hold(state, grasp) and not any(engine.touched()):
+            elif not self._hold(state) and not any(engine.touched()):
                 state.loose += look
                 if state.loose >= _LOST and not whole:
                     break
-        if state.rest:
-            self._hold(state, grasp)
+        sides = self._sides(physics.lift_speed)
+        state.kept = bool(sides[0] and sides[1])
+        if state.kept:
+            self._hold(state)
         return True
 
-    def _objects(self, state: _State) -> set[int]:
-        """Indices of the objects in the grip when it last held."""
-        return {contact.object for contact in state.held if contact is not None}
+    def _sides(self, speed: float) -> tuple[set[int], set[int]]:
+        """The objects that the left and the right finger touch within a few steps."""
+        left, right = self.engine.touched()
+        for _ in range(_FLICKER):
+            if left and right:
+                break
+            self.engine.advance(1, speed)
+            more = self.engine.touched()
+            left, right = left | more[0], right | more[1]
+        return left, right
 
     def _clearance(self, index: int) -> float:
         pose = self.engine.objects[index].pose
         return float((self._hulls[index] @ pose[2, :3]).min() + pose[2, 3])
 
     def _resting(self, state: _State) -> bool:
-        """Whether what is held moves no more than the gripper does."""
-        rising = self.engine.rising
-        for index in self._objects(state):
-            vx, vy, vz, wx, wy, wz = self.engine.objects[index].velocity
-            if max(abs(vx), abs(vy), abs(vz - rising)) > _SLIDE[0] or max(abs(wx), abs(wy), abs(wz)) > _SLIDE[1]:
-                return False
-        return True
+        """Whether what is held has not moved in the gripper's frame since the last look."""
+        time = self._look
+        resting = True
+        for index in state.objects:
+            pose = self.engine.objects[index].pose
+            pose[2, 3] -= self.engine.lift
+            before = state.seen.get(index)
+            state.seen[index] = pose
+            if before is None:
+                resting = False
+                continue
+            moved = np.abs(pose[:3, 3] - before[:3, 3]).max()
+            cosine = ((pose[:3, :3] * before[:3, :3]).sum() - 1) / 2
+            resting &= bool(moved < _REST[0] * time and cosine > math.cos(_REST[1] * time))
+        return resting
 
     def _clear(self, state: _State) -> bool:
         """Whether what is held is clear of the table."""
-        return all(self._clearance(index) > _CLEAR for index in self._objects(state))
+        return all(self._clearance(index) > _CLEAR for index in state.objects)
 
     def _verdict(self, state: _State, grasp: Grasp) -> tuple[Outcome, Evidence, Comfort | None]:
-        objects = self._objects(state)
-        index = min(objects)
-        if len(objects) == 2:
-            index = state.held[0].object if state.held[0] else index
-        sides = self.engine.touched()
-        clearance = min(self._clearance(each) for each in objects)
-        left, right = state.held
+        frame = grasp.world_from_gripper
+        frame[2, 3] += state.touches_lift
+        left, right = finger_contacts(state.touches, frame)
+        index = left.object if left else min(state.objects)
+        clearance = min(self._clearance(each) for each in state.objects)
         holds = f"; {hold_words(left, right)}" if hold_words(left, right) else ""
         known = Evidence(
             words="",
@@ -200,7 +225,7 @@ class Execution:
             clearance=round(clearance, 6),
             lift=round(state.held_lift, 6),
         )
-        if sides[0] and sides[1] and clearance > _CLEAR:
+        if state.kept and clearance > _CLEAR:
             before = state.start[index]
             after = self.engine.objects[index].pose
             after[2, 3] -= self.engine.lift
@@ -213,13 +238,13 @@ class Execution:
                 f" {millimetres(comfort.distance)} and turned by {np.degrees(comfort.rotation):.0f}° in the gripper"
             )
             return Outcome.SUCCESS, msgspec.structs.replace(known, words=words + holds), comfort
-        if sides[0] and sides[1]:
+        if state.kept:
             words = f"both fingers still hold it, but it is not clear of the table after {millimetres(state.held_lift)}"
         elif state.held_lift < 0.001:
             words = "slipped as soon as the lift began"
         else:
             words = f"slipped after {millimetres(state.held_lift)} of the lift"
-        place = None if state.held_place is None else triple(state.held_place)
+        place = triple(np.mean([touch.point for touch in state.touches], axis=0))
         time = round(state.held_time, 4)
         evidence = msgspec.structs.replace(known, words=words + holds, place=place, time=time)
         return Outcome.SLIPPED, evidence, None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grasp_core.gripper import Gripper
 from grasp_core.objects.asset import ObjectAsset
-from grasp_core.simulation.contacts import Touch, touched, touches
+from grasp_core.simulation.contacts import ContactReader, Touch
 from grasp_core.simulation.gripper_model import GripperModel, isometry
 from grasp_core.simulation.object_body import ObjectBody, support_points
 from grasp_core.simulation.physics import Physics, load_physics
@@ -75,6 +75,9 @@ class World:
             self.gripper = GripperModel(gripper, physics)
             self.world.addSkeleton(self.gripper.skeleton)
         self._separate(table)
+        skeletons = [self.world.getSkeleton(index) for index in range(self.world.getNumSkeletons())]
+        bodies = [body for skeleton in skeletons for body in skeleton.getBodyNodes()]
+        self._contacts = ContactReader(shape for body in bodies for shape in body.getShapeNodes())
 
     def _table(self) -> dart.dynamics.BodyNode:
         skeleton = dart.dynamics.Skeleton("table")
@@ -170,11 +173,11 @@ class World:
 
     def touched(self) -> tuple[set[int], set[int]]:
         """Indices of the objects that the left and the right finger touch."""
-        return touched(self.world.getLastCollisionResult().getContacts())
+        return self._contacts.touched(self.world.getLastCollisionResult().getContacts())
 
     def touches(self) -> list[Touch]:
         """Every contact of the last step between a finger and an object."""
-        return touches(self.world.getLastCollisionResult().getContacts())
+        return self._contacts.touches(self.world.getLastCollisionResult().getContacts())
 
     @property
     def time(self) -> float:

@@ -36,7 +36,7 @@ def test_success(box_trial):
     assert 0 < attempt.comfort.distance < 0.02
     evidence = attempt.evidence
     assert evidence.object == 0
-    assert evidence.clearance > 0.05
+    assert evidence.clearance > 0.02
     assert sum(evidence.travel) == pytest.approx(0.1 - 0.04, abs=2e-3)
     for contact, side in ((evidence.left, 1.0), (evidence.right, -1.0)):
         assert contact.force == pytest.approx(20, rel=0.05)
