@@ -98,14 +98,13 @@ class Execution:
             return unstable
         left, right = engine.travel
         state.travel = (round(left - opened, 6), round(right - opened, 6))
-        sides = self._sides(0.0)
-        if not (sides[0] and sides[1]):
+        if not self._hold(state, patience=_FLICKER):
+            sides = engine.touched()
             gap = engine.spec.opening - left - right
             words = "closed on nothing" + ("" if gap < 0.001 else f": the fingers stopped {millimetres(gap)} apart")
             if sides[0] or sides[1]:
                 words += f"; only the {'left' if sides[0] else 'right'} finger touched the object"
             return Outcome.MISSED, Evidence(words=words, travel=state.travel), None
-        self._hold(state)
         if not self._lift(state, whole, recorder):
             return unstable
         return self._verdict(state, grasp)
@@ -129,14 +128,24 @@ class Execution:
             before = now
         return True
 
-    def _hold(self, state: _State) -> bool:
-        """Look at the grip; True and noted if both fingers touch an object."""
-        found = self.engine.touches()
-        if not ({touch.finger for touch in found} >= {0, 1}):
-            return False
-        state.touches = found
+    def _hold(self, state: _State, speed: float = 0.0, patience: int = 0) -> bool:
+        """Look at the grip; True and noted if both fingers touch an object, at the latest after `patience` steps."""
+        latest: dict[int, list[Touch]] = {}
+        while True:
+            found = self.engine.touches()
+            for finger in (0, 1):
+                mine = [touch for touch in found if touch.finger == finger]
+                if mine:
+                    latest[finger] = mine
+            if len(latest) == 2:
+                break
+            if patience == 0:
+                return False
+            patience -= 1
+            self.engine.advance(1, speed)
+        state.touches = latest[0] + latest[1]
         state.touches_lift = self.engine.lift
-        state.objects = frozenset(touch.object for touch in found)
+        state.objects = frozenset(touch.object for touch in state.touches)
         self._still_held(state)
         return True
 
@@ -167,22 +176,8 @@ class Execution:
                 state.loose += look
                 if state.loose >= _LOST and not whole:
                     break
-        sides = self._sides(physics.lift_speed)
-        state.kept = bool(sides[0] and sides[1])
-        if state.kept:
-            self._hold(state)
+        state.kept = self._hold(state, physics.lift_speed, _FLICKER)
         return True
-
-    def _sides(self, speed: float) -> tuple[set[int], set[int]]:
-        """The objects that the left and the right finger touch within a few steps."""
-        left, right = self.engine.touched()
-        for _ in range(_FLICKER):
-            if left and right:
-                break
-            self.engine.advance(1, speed)
-            more = self.engine.touched()
-            left, right = left | more[0], right | more[1]
-        return left, right
 
     def _clearance(self, index: int) -> float:
         pose = self.engine.objects[index].pose

@@ -211,6 +211,14 @@ class GraspTrial:
             trials.append(Trial(grasp, tuple(done[number % distinct] for number in range(attempts))))
         return trials
 
+    def free_way(self, executed: Grasp) -> float:
+        """How far both fingers of a grasp, as executed, may close before dynamics need to start, metres."""
+        return self._advance(self._precheck.check(_rows([executed])), 0)
+
+    def _advance(self, checked: Prechecked, row: int) -> float:
+        gap = float(checked.gaps[row].min())
+        return max(0.0, gap - self.physics.start_gap) if math.isfinite(gap) else 0.0
+
     def _refuse(self, grasp: Grasp) -> None:
         if grasp.width > self.gripper.opening + 1e-9:
             raise GraspError(
@@ -256,7 +264,7 @@ class GraspTrial:
                 recorder.approach(0.0)
                 recorder.free_closing(executed.width / 2)
         else:
-            advance = max(0.0, float(checked.gaps[row].min()) - self.physics.start_gap)
+            advance = self._advance(checked, row)
             if recorder:
                 recorder.approach(0.0)
                 recorder.free_closing(advance)
