@@ -45,7 +45,7 @@ def test_no_folder_and_no_suite_lists_the_suites():
 
 
 def test_an_empty_folder_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="holds no mesh"):
+    with pytest.raises(ConfigError, match="holds no object"):
         object_plans(str(tmp_path), "keep", 0)
 
 
