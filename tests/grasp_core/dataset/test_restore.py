@@ -22,12 +22,14 @@ from grasp_core.simulation.trial import child_seed
 
 HERE = Executor(workers=0)
 RECIPE = Recipe(name="hand")
-EVIDENCE = '{"words":"held","travel":[0.0201,0.0213],"lift":0.3,"clearance":0.2987}'
 
 
-def attempt(grasp: Grasp, seed: int, outcome: str, dynamic: bool) -> AttemptRow:
+def attempt(grasp: Grasp, seed: int, outcome: str, dynamic: bool, scene: int) -> AttemptRow:
+    """An attempt whose fingers went 1 mm farther in each later scene."""
+    travel = [round(0.0201 + 0.001 * scene, 4), 0.0213]
+    evidence = msgspec.json.encode({"words": "held", "travel": travel, "lift": 0.3, "clearance": 0.2987}).decode()
     comfort = (0.00123, 0.0456) if outcome == "SUCCESS" else None
-    row = AttemptRow(outcome, seed, (0, 0, 0, 0), dynamic, comfort=comfort, evidence=EVIDENCE if dynamic else None)
+    row = AttemptRow(outcome, seed, (0, 0, 0, 0), dynamic, comfort=comfort, evidence=evidence if dynamic else None)
     return msgspec.structs.replace(row, executed=executed_pose(grasp, row, RECIPE.noise))
 
 
@@ -38,7 +40,7 @@ def scene_of(asset, pose, seed: int) -> SceneRecord:
     for number, grasp in enumerate(grasps):
         seeds = [child_seed(child_seed(seed, number), k) for k in range(2)]
         kinds = [("SUCCESS", True), ("SLIPPED", True), ("COLLISION", False)]
-        attempts.append([attempt(grasp, own, *kinds[(number + k) % 3]) for k, own in enumerate(seeds)])
+        attempts.append([attempt(grasp, own, *kinds[(number + k) % 3], seed) for k, own in enumerate(seeds)])
     return SceneRecord(f"{asset.name}-0", asset.name, 0, seed, scene, render(scene), grasps, attempts)
 
 
@@ -75,7 +77,7 @@ def test_labels_come_back_and_numbers_to_a_step(made, tmp_path):
         assert abs(rows[0].comfort[0] - 0.00123) <= STEPS["comfort_m"] / 2
         evidence = msgspec.json.decode(rows[0].evidence)
         assert "restored" in evidence["words"]
-        assert evidence["travel"] == pytest.approx([0.0201, 0.0213], abs=1e-9)
+        assert evidence["travel"] == pytest.approx([0.0211, 0.0213], abs=1e-9)
         assert evidence["clearance"] == pytest.approx(0.2987) and "time" not in evidence
         assert rows[1].comfort is None
         collided = store.attempts(int(store.grasps(store.scene_id("box_001-0")).id[2]))[0]
