@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -69,6 +69,18 @@ class ContactReader:
                 continue
             found.append(Touch(finger, item, contact.point, -sign * contact.normal, sign * contact.force))
         return found
+
+
+def strain(found: Sequence[Touch], friction: float) -> float:
+    """Share of its friction that the more strained finger uses: tangential over μ times normal force, 1 at most."""
+    worst = 0.0
+    for finger in (0, 1):
+        forces = np.array([touch.force for touch in found if touch.finger == finger]).reshape(-1, 3)
+        normals = np.array([touch.normal for touch in found if touch.finger == finger]).reshape(-1, 3)
+        pressure = -(forces * normals).sum(axis=1)
+        sliding = forces.sum(axis=0) + pressure @ normals
+        worst = max(worst, float(np.linalg.norm(sliding)) / max(friction * float(pressure.sum()), 1e-6))
+    return worst
 
 
 def finger_contacts(
