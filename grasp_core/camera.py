@@ -158,6 +158,20 @@ class Camera:
         camera = np.concatenate([rays * z, z], axis=-1)
         return np.asarray(camera @ self.pose[:3, :3].T + self.pose[:3, 3])
 
+    def horizontal_jacobian(self, points: ArrayLike) -> NDArray[np.float64]:
+        """World points (…, 3) → (…, 2, 2): pixels (u, v) per metre along world x and y there, distortion included."""
+        rotation = self.camera_from_world[:3, :3]
+        camera = np.asarray(points, float) @ rotation.T + self.camera_from_world[:3, 3]
+        z = camera[..., 2, None]
+        x, y = camera[..., 0, None] / z, camera[..., 1, None] / z
+        dx = (rotation[0, :2] - x * rotation[2, :2]) / z
+        dy = (rotation[1, :2] - y * rotation[2, :2]) / z
+        k = self.intrinsics
+        if k.distortion is not None:
+            a, b, c = _distort(x, y, k.distortion)[1]
+            dx, dy = a * dx + b * dy, b * dx + c * dy
+        return np.stack([k.fx * dx, k.fy * dy], axis=-2)
+
     def at(self, world_from_camera: ArrayLike) -> Camera:
         """The same intrinsics at another pose."""
         return Camera(self.intrinsics, np.asarray(world_from_camera, float))
@@ -307,6 +321,19 @@ class _CameraFile(config.Settings):
     world_from_camera: tuple[tuple[float, float, float, float], ...] | None = None
 
 
+def _refuse_folds(intrinsics: CameraIntrinsics) -> None:
+    right, bottom = intrinsics.width - 1, intrinsics.height - 1
+    across, down = np.linspace(0, right, 50), np.linspace(0, bottom, 50)
+    rim = [
+        np.stack(np.broadcast_arrays(u, v), axis=-1)
+        for u, v in ((across, 0), (across, bottom), (0, down), (right, down))
+    ]
+    if not np.isfinite(intrinsics.rays(np.concatenate(rim))).all():
+        raise GraspError(
+            "distortion: these coefficients fold the image over before its border; check their order (k1 k2 p1 p2 k3)"
+        )
+
+
 def load_camera(name: str | Path) -> Camera:
     """Read a camera file (YAML: fx fy cx cy width height, optional distortion and pose) or a shipped camera by name.
 
@@ -317,6 +344,7 @@ def load_camera(name: str | Path) -> Camera:
     read = config.load("cameras", name, _CameraFile)
     try:
         intrinsics = CameraIntrinsics(read.fx, read.fy, read.cx, read.cy, read.width, read.height, read.distortion)
+        _refuse_folds(intrinsics)
         return Camera(intrinsics, None if read.world_from_camera is None else np.array(read.world_from_camera, float))
     except GraspError as error:
         raise ConfigError(f"{path}: {error}") from error

@@ -132,20 +132,11 @@ def rectangle_corners(u: float, v: float, angle: float, opening: float, jaw: flo
     )
 
 
-def _horizontal_jacobian(position: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
-    """2×2: pixels (u, v) per metre along world x and y at `position`, distortion left out."""
-    camera_from_world = camera.camera_from_world
-    x, y, z = camera_from_world[:3, :3] @ position + camera_from_world[:3, 3]
-    k = camera.intrinsics
-    pixels_from_camera = np.array([[k.fx / z, 0.0, -k.fx * x / z**2], [0.0, k.fy / z, -k.fy * y / z**2]])
-    return np.asarray(pixels_from_camera @ camera_from_world[:3, :2])
-
-
 def to_image(grasp: Grasp, camera: Camera) -> ImageGrasp:
     """Project a grasp into the image of a camera (Eq. 3); inverse of `to_world`.
 
-    Angle and width follow the projection of the closing axis to first order at p, so that the round trip is exact for
-    tilted cameras too. Lens distortion is left out of angle and width (planning works on undistorted images).
+    Angle and width follow the projection of the closing axis to first order at p, lens distortion included, so that the
+    round trip is exact for tilted and distorted cameras too.
 
     Raises:
         GraspError: the grasp lies behind the camera.
@@ -154,7 +145,7 @@ def to_image(grasp: Grasp, camera: Camera) -> ImageGrasp:
     u, v, depth = camera.project(position)
     if depth <= 0:
         raise GraspError(f"the grasp at {grasp.position} lies behind the camera; check world_from_camera")
-    du, dv = _horizontal_jacobian(position, camera) @ grasp.closing_axis[:2]
+    du, dv = camera.horizontal_jacobian(position) @ grasp.closing_axis[:2]
     return ImageGrasp(float(u), float(v), math.atan2(-dv, du), math.hypot(du, dv) * grasp.width, float(depth))
 
 
@@ -165,7 +156,7 @@ def to_world(grasp: ImageGrasp, camera: Camera) -> Grasp:
         GraspError: the camera looks along the table, so that an image angle fixes no horizontal axis.
     """
     position = camera.deproject(np.array([grasp.u, grasp.v]), np.array(grasp.depth))
-    jacobian = _horizontal_jacobian(position, camera)
+    jacobian = camera.horizontal_jacobian(position)
     if abs(np.linalg.det(jacobian)) < 1e-6 * np.abs(jacobian).max() ** 2:
         raise GraspError(
             "the camera looks along the table: an image angle fixes no grasp angle there; tilt it downwards"

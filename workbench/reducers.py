@@ -12,6 +12,8 @@ import numpy as np
 from workbench import actions as a
 from workbench.state import Playback, State, TrialState
 
+_SHAPES = 900
+"""Shapes of a family that random scenes draw from; later seeds are for benchmarks only."""
 SPEEDS = (0.25, 0.5, 1.0, 2.0)
 """How fast replays may run, times real time."""
 FRAME = 1 / 30
@@ -62,7 +64,7 @@ def _show_object(action: a.ShowObject, state: State) -> Result:
 def _another_object(action: a.AnotherObject, state: State) -> Result:
     families = state.catalogue.families
     now = families.index(state.request.family) if state.request.family in families else -1
-    return _open(state, family=families[(now + 1) % len(families)], shape=action.draw % 1000, pose=0)
+    return _open(state, family=families[(now + 1) % len(families)], shape=action.draw % _SHAPES, pose=0)
 
 
 @_rule(a.AnotherPose)
@@ -79,7 +81,7 @@ def _another_pose(action: a.AnotherPose, state: State) -> Result:
 def _random_scene(action: a.RandomScene, state: State) -> Result:
     rng = np.random.default_rng(action.draw)
     family = state.catalogue.families[int(rng.integers(len(state.catalogue.families)))]
-    shape, pose, place = (int(value) for value in rng.integers([1000, 8, 2**31 - 1]))
+    shape, pose, place = (int(value) for value in rng.integers([_SHAPES, 8, 2**31 - 1]))
     return _open(state, family=family, shape=shape, pose=pose, place=place)
 
 

@@ -1,7 +1,10 @@
 """grasp-core: one small module per command, imported only when it is called."""
 
+import contextlib
 import importlib
+import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import Protocol, cast
@@ -60,6 +63,12 @@ def _find(arguments: Sequence[str]) -> tuple[str, list[str]] | None:
     return None
 
 
+def _one_line(box: str) -> str:
+    """What tyro frames in a box, as one line."""
+    words = re.sub(r"[─-╿]+", " ", re.sub(r"\x1b\[[0-9;]*m", "", box)).split()
+    return " ".join(words).removeprefix("Parsing error ").removeprefix("Required options ")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; exit status 0 done, 2 bad input or usage, 1 anything else, 130 cancelled."""
     given = list(sys.argv[1:] if arguments is None else arguments)
@@ -81,13 +90,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         module, name, _ = COMMANDS[words]
         kind = getattr(importlib.import_module(f"grasp_core.cli.{module}"), name)
-        command = cast(Command, tyro.cli(kind, args=rest, prog=f"grasp-core {words}"))
+        complaint = io.StringIO()
+        try:
+            with contextlib.redirect_stderr(complaint):
+                command = cast(Command, tyro.cli(kind, args=rest, prog=f"grasp-core {words}"))
+        except SystemExit as stop:
+            if stop.code:
+                print(f"grasp-core {words}: {_one_line(complaint.getvalue())}", file=sys.stderr)
+                return 2
+            raise
         return command.run() or 0
     except (GraspError, KeyboardInterrupt) as error:
         if debug:
             raise
         cancelled = isinstance(error, KeyboardInterrupt | Cancelled)
-        print(f"grasp-core: {str(error) or 'cancelled'}", file=sys.stderr)
+        print(f"grasp-core: {' '.join(str(error).split()) or 'cancelled'}", file=sys.stderr)
         return 130 if cancelled else 2
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -96,7 +96,14 @@ class BenchmarkSuccess:
         summaries = summarise(log, self.attempts)
         report = envelope("success", self.seed, summaries, watch)
         report |= {"settings": {"objects": self.objects, "scale": self.scale, "poses": self.poses, "draws": self.draws}}
-        report["settings"] |= {"attempts": self.attempts, "camera": self.camera, "noise": self.noise}
+        report["settings"] |= {
+            "attempts": self.attempts,
+            "camera": self.camera,
+            "noise": self.noise,
+            "limit": self.limit,
+        }
+        report["settings"] |= {"gripper": self.gripper, "gripper_digest": benchmark.gripper.digest}
+        report["settings"] |= {"physics": self.physics, "physics_digest": benchmark.physics.digest}
         report["refused"] = refused
         lines = [text(summaries), *(f"left out: {name}: {why}" for name, why in refused.items())]
         if out is not None:

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from grasp_core.simulation.trial import Trial
 
 
+_RESTING = 0.005
+"""Metres: an object whose lowest point is farther from the table does not rest on it."""
+
+
 @dataclass(frozen=True)
 class TrialCommand:
     """Execute a grasp several times, each with its own noise, and lift the full 30 cm each time.
@@ -109,7 +113,14 @@ class TrialCommand:
         from grasp_core.simulation.settling import stable_poses
 
         if not self.pose.lstrip("-").isdigit():
-            return read_pose(Path(self.pose))
+            pose = read_pose(Path(self.pose))
+            lowest = float((asset.hull.vertices @ pose[2, :3]).min() + pose[2, 3])
+            if abs(lowest) > _RESTING:
+                raise GraspError(
+                    f"--pose {self.pose}: the lowest point of {asset.name} would be at z = {lowest * 1000:.1f} mm,"
+                    " but it must rest on the table, z = 0; mend the last column"
+                )
+            return pose
         poses = stable_poses(asset, physics)
         index = int(self.pose)
         if not 0 <= index < len(poses):

@@ -54,10 +54,14 @@ def run_benchmark(
         if name != ORACLE:
             ready_planner(name, benchmark.gripper, benchmark.weights)
     plans = object_plans(benchmark.objects, benchmark.scale, benchmark.seed)
-    if benchmark.limit is not None:
-        plans = plans[: benchmark.limit]
     log = Log(benchmark.run, None if out is None else out / "outcomes.jsonl")
-    made, refused = _make_objects(benchmark, plans, executor, tell)
+    made: list[_Made] = []
+    refused: dict[str, str] = {}
+    while plans and (benchmark.limit is None or len(made) < benchmark.limit):
+        # Every usable object yields a scene, so that the limit bounds how many must be made.
+        count = len(plans) if benchmark.limit is None else benchmark.limit - len(made)
+        more, unusable = _make_objects(benchmark, plans[:count], executor, tell)
+        made, refused, plans = made + more, refused | unusable, plans[count:]
     items = _scene_items(benchmark, made, log, out)
     items = _with_oracle(benchmark, items, executor, tell)
     tell("scenes", 0, len(items))

@@ -187,11 +187,8 @@ def image_grasps(positions: NDArray, angles: NDArray, width: float, camera: Came
     if not len(positions):
         return []
     projected = camera.project(positions)
-    world_to_camera = camera.camera_from_world[:3, :3]
-    x, y, z = (positions @ world_to_camera.T + camera.camera_from_world[:3, 3]).T
-    moved = world_to_camera[:, 0] * np.cos(angles)[:, None] + world_to_camera[:, 1] * np.sin(angles)[:, None]
-    du = camera.intrinsics.fx * (moved[:, 0] - moved[:, 2] * x / z) / z
-    dv = camera.intrinsics.fy * (moved[:, 1] - moved[:, 2] * y / z) / z
+    axes = np.stack([np.cos(angles), np.sin(angles)], axis=-1)[:, :, None]
+    du, dv = (camera.horizontal_jacobian(positions) @ axes)[:, :, 0].T
     return [
         ImageGrasp(*row)
         for row in zip(

@@ -81,7 +81,8 @@ def _grey(height: NDArray[np.float32], valid: NDArray[np.bool_]) -> Picture:
 
 def _heat(plan: Plan) -> Picture:
     canvas = _grey(-plan.canvas.depth, plan.canvas.valid)
-    share = np.clip(plan.quality_map, 0, 1)[:, :, None]  # clipped for display only
+    # Stretched to the map's own peak and clipped for display only.
+    share = np.clip(plan.quality_map / max(float(plan.quality_map.max()), 0.05), 0, 1)[:, :, None]
     colour = cv2.applyColorMap((share[:, :, 0] * 255).astype(np.uint8), cv2.COLORMAP_INFERNO)
     picture = np.ascontiguousarray((canvas * (1 - 0.7 * share) * 0.7 + colour * share).clip(0, 255).astype(np.uint8))
     for u, v in np.rint(plan.sampled).astype(int).tolist():

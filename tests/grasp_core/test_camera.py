@@ -279,3 +279,21 @@ def test_wrong_camera_files_are_refused_by_file_and_key(tmp_path, change, words)
 def test_shipped_cameras_decode(name):
     camera = load_camera(name)
     assert camera.intrinsics.fx > 100
+
+
+def test_horizontal_jacobian_follows_the_projection_of_a_distorted_camera():
+    lens = CameraIntrinsics(460.0, 455.0, 320.0, 238.0, 640, 480, (-0.28, 0.07, 0.001, -0.002, 0.0))
+    camera = Camera(lens, look_down(0.7, tilt=0.3))
+    points = np.array([[0.0, 0.0, 0.02], [0.15, 0.1, 0.05], [-0.2, -0.08, 0.0]])
+    step = 1e-6
+    for axis in (0, 1):
+        moved = np.eye(3)[axis] * step
+        expected = (camera.project(points + moved) - camera.project(points - moved))[:, :2] / (2 * step)
+        np.testing.assert_allclose(camera.horizontal_jacobian(points)[:, :, axis], expected, rtol=1e-5, atol=1e-3)
+
+
+def test_a_distortion_that_folds_the_image_is_refused(tmp_path):
+    path = tmp_path / "fold.yaml"
+    path.write_text("fx: 525\nfy: 525\ncx: 319.5\ncy: 239.5\nwidth: 640\nheight: 480\ndistortion: [-5, 0, 0, 0, 0]\n")
+    with pytest.raises(ConfigError, match=r"fold\.yaml.*distortion"):
+        load_camera(path)

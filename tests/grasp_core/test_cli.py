@@ -89,7 +89,10 @@ def test_debug_shows_the_traceback(behave, kind):
 @pytest.mark.parametrize("arguments", [["probe", "--no-such"], ["probe", "--times", "often"]])
 def test_wrong_options_are_usage_errors(arguments, capsys):
     assert cli.main(arguments) == 2
-    assert capsys.readouterr().out == ""
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("grasp-core probe: ") and arguments[1] in printed.err
+    assert printed.err.count("\n") == 1
 
 
 @pytest.mark.parametrize("arguments", [["prob"], ["set"], ["set", "nothing"], ["--times", "3"]])

@@ -32,7 +32,7 @@ def test_another_object_is_another_family_with_a_drawn_shape(shown):
     state, effects = run(shown, a.AnotherObject(1234))
     assert state.opening and state.scene is shown.scene, "the old scene stays until the new one is there"
     assert effects == [a.OpenScene(1, state.request)]
-    assert (state.request.family, state.request.shape, state.request.pose) == ("mug", 234, 0)
+    assert (state.request.family, state.request.shape, state.request.pose) == ("mug", 334, 0)
 
 
 def test_another_pose_keeps_the_object(shown):

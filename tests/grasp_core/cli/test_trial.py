@@ -99,3 +99,12 @@ def test_what_is_no_pose_is_refused(tmp_path, text, why):
     path.write_text(text)
     with pytest.raises(GraspError, match=why):
         read_pose(path)
+
+
+def test_a_pose_that_does_not_rest_on_the_table_is_refused(mesh, capsys, tmp_path):
+    floating = np.eye(4)
+    floating[2, 3] = 0.3
+    path = tmp_path / "floating.txt"
+    np.savetxt(path, floating)
+    assert run(mesh, "--position", 0, 0, 0.3, "--pose", path) == 2
+    assert "must rest on the table" in capsys.readouterr().err
