@@ -14,25 +14,22 @@ MODULES = [
 ]
 
 
-def test_file(module: Path) -> Path:
+def tests_of(module: Path) -> Path:
     """Where the tests of a module stand; a package with code in its `__init__.py` is tested beside its folder."""
     own = module.parent if module.name == "__init__.py" else module.with_suffix("")
     return Path("tests") / own.parent / f"test_{own.name}.py"
 
 
-test_file.__test__ = False  # type: ignore[attr-defined]
-
-
 @pytest.mark.parametrize("module", MODULES, ids=str)
 def test_every_module_has_its_tests(module):
-    tests = ROOT / test_file(module)
-    assert tests.is_file(), f"{module} has no tests: write {test_file(module)}"
+    tests = ROOT / tests_of(module)
+    assert tests.is_file(), f"{module} has no tests: write {tests_of(module)}"
     functions = [
         node.name
         for node in ast.walk(ast.parse(tests.read_text(encoding="utf-8")))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test")
     ]
-    assert functions, f"{test_file(module)} tests nothing"
+    assert functions, f"{tests_of(module)} tests nothing"
 
 
 def test_tests_are_no_packages():

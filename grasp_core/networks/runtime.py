@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.util
 import threading
+from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Literal, Protocol
 
@@ -78,7 +79,7 @@ def load_runtime(
     return runtime
 
 
-class _Base:
+class _Base(ABC):
     """Shapes, padding and locking that both backends share."""
 
     def __init__(self, checkpoint: Checkpoint, backend: str) -> None:
@@ -123,11 +124,11 @@ class _Base:
         self.quality_map(np.zeros((1, 300, 300), np.float32))
         self.scores(np.zeros((64, self.meta.crop.size, self.meta.crop.size), np.float32))
 
-    def _regression(self, x: Array) -> Array:
-        raise NotImplementedError
+    @abstractmethod
+    def _regression(self, x: Array) -> Array: ...
 
-    def _refined(self, x: Array) -> Array:
-        raise NotImplementedError
+    @abstractmethod
+    def _refined(self, x: Array) -> Array: ...
 
 
 class OpenVinoRuntime(_Base):

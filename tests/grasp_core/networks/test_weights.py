@@ -57,8 +57,9 @@ def test_unknown_name_lists_the_shipped_ones() -> None:
 
 
 def test_shipped_weights_load_and_fit_the_shipped_gripper() -> None:
+    assert "default" in shipped_weights()
     for path in shipped_weights().values():
-        load_weights(path).meta.check(load_gripper())
+        load_weights(path).meta.check(load_gripper())  # raises where they do not fit
 
 
 @pytest.mark.parametrize("content", [b"", b"not a tensor file at all"])
