@@ -100,6 +100,20 @@ def _important(vertices: NDArray[np.float64], count: int) -> NDArray[np.float64]
     return vertices[chosen]
 
 
+def planes(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Outward unit normals (F, 3) of a convex body's sides and their distances (F,) from the origin.
+
+    Slivers along flat sides, whose computed normals point anywhere, are left out: a side has no vertex in front.
+    """
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    normals = normals[lengths > 0] / lengths[lengths > 0, None]
+    heights = (normals * a[lengths > 0]).sum(axis=1)
+    true = (vertices @ normals.T - heights).max(axis=0) <= 1e-6 * float(np.ptp(vertices, axis=0).max())
+    return normals[true], heights[true]
+
+
 def mass_properties(parts: Sequence[Part], densities: Sequence[float] | None = None) -> MassProperties:
     """Volume, centre of mass and inertia of parts; where parts overlap, the space counts once.
 
