@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 SETTINGS: dict[str, dict[str, float | int]] = {
-    "coacd": {"resolution": 400, "mcts_nodes": 8, "mcts_iterations": 20, "mcts_max_depth": 2, "preprocess": 24},
-    "coacd, coarse": {"resolution": 300, "mcts_nodes": 5, "mcts_iterations": 10, "mcts_max_depth": 1, "preprocess": 16},
+    "coacd": {"resolution": 400, "mcts_nodes": 8, "mcts_iterations": 20, "mcts_max_depth": 2, "preprocess": 60},
+    "coacd, coarse": {"resolution": 300, "mcts_nodes": 5, "mcts_iterations": 10, "mcts_max_depth": 1, "preprocess": 30},
 }
 """CoACD's search, tried in this order: less effort when the first takes too long."""
 
-CONCAVITY = 0.05
+CONCAVITY = 0.03
 """Concavity that CoACD lets be, in units of the mesh's longest side."""
 
 PATIENCE = 6.0

@@ -1,47 +1,44 @@
 """Convex decomposition, made once per mesh, and the making of assets.
 
-The result, or the fallback that was taken, is kept in the user's cache folder under the content of the mesh.
+Several ways are tried and the one whose parts stand least off the visible mesh is kept, in the user's cache folder,
+under the content of the mesh, with its error.
 """
 
 from __future__ import annotations
 
 import hashlib
 import importlib.metadata
-import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import manifold3d
 import numpy as np
-import platformdirs
 import trimesh
 from numpy.typing import NDArray
 
 from grasp_core.errors import MeshError
+from grasp_core.objects import parts_cache
 from grasp_core.objects.asset import ObjectAsset, Part
-from grasp_core.objects.coacd_process import SETTINGS, run_coacd
+from grasp_core.objects.coacd_process import CONCAVITY, SETTINGS, run_coacd
+from grasp_core.objects.fidelity import Fidelity, fidelity
 from grasp_core.objects.hulls import arrays, convex_part, mass_properties, solid
+from grasp_core.objects.parts_cache import Decomposition
+from grasp_core.objects.pieces import cut
 
-VERSION = 3
+VERSION = 4
 """Raise this when the parts of a mesh would come out differently: it is part of the cache's key."""
 
 NEARLY_CONVEX = 0.985
 """A closed body that fills this share of its hull is one part."""
 
 MOST_MERGED = 120
-"""Up to so many convex bodies are merged into fewer parts, if …"""
+"""Up to so many convex bodies may be merged into fewer parts."""
 
-MERGED_VOLUME = 1.3
-"""… these fill no more than so many times the bodies' own volume; CoACD is asked otherwise."""
+MOST_PARTS = 32
+"""Physics takes hardly longer for more parts; each stands closer to the mesh."""
 
-
-@dataclass(frozen=True)
-class Decomposition:
-    """Convex parts in the frame of the mesh, and how they came about ("exact…", "merged…", "coacd…" or "hull…")."""
-
-    parts: tuple[Part, ...]
-    method: str
+GOOD = 0.012
+"""Parts that stand off by less than this share of the longest side (2 mm for 17 cm) are kept without CoACD's try."""
 
 
 @dataclass(frozen=True)
@@ -59,19 +56,19 @@ class _Body:
 
 
 def decompose(
-    mesh: trimesh.Trimesh, *, max_parts: int = 8, max_vertices: int = 24, timeout_s: float = 60.0
+    mesh: trimesh.Trimesh, *, max_parts: int = MOST_PARTS, max_vertices: int = 24, timeout_s: float = 60.0
 ) -> Decomposition:
     """Split a mesh into at most `max_parts` closed convex parts of at most `max_vertices` vertices.
 
-    Meshes whose few bodies are convex already keep them; many convex bodies are merged. Everything else goes to CoACD;
-    when that fails or takes longer than `timeout_s`, it tries again coarsely; then each body becomes its hull (few
-    bodies) or the whole mesh one hull, and `method` says so.
+    Meshes whose few bodies are convex already keep them. Everything else is cut by what is visible of it (see
+    `pieces`), and many convex bodies are also merged; where the best of these stands off the mesh by more than `GOOD`,
+    CoACD tries too. The least error wins, and `method` says which way it was and why CoACD failed where it did.
 
     Args:
         mesh: any triangle mesh; it may be open, wound badly or of many bodies.
         max_parts: at most so many parts.
         max_vertices: at most so many vertices each.
-        timeout_s: seconds of processor time after which a run of CoACD is killed.
+        timeout_s: seconds of processor time that CoACD's runs may take together; they are killed after it.
 
     Raises:
         MeshError: no faces, or coordinates that are not finite.
@@ -79,18 +76,19 @@ def decompose(
     mesh = cleaned(mesh)
     low, size = mesh.bounds[0], float(mesh.extents.max())
     unit = np.round((mesh.vertices - low) / size, 6)
+    coacd = f"{importlib.metadata.version('coacd')} {SETTINGS} {CONCAVITY}"
     key = hashlib.sha256(
-        f"{VERSION} {importlib.metadata.version('coacd')} {max_parts} {max_vertices} {timeout_s:g} {SETTINGS}".encode()
+        f"{VERSION} {coacd} {max_parts} {max_vertices} {timeout_s:g}".encode()
         + unit.tobytes()
         + np.asarray(mesh.faces, np.int32).tobytes()
     ).hexdigest()[:32]
-    file = Path(platformdirs.user_cache_dir("grasp-workbench")) / "parts" / f"{key}.npz"
-    found = _read(file)
+    found = parts_cache.read(key)
     if found is None:
         found = _decompose(trimesh.Trimesh(unit, mesh.faces, process=False), max_parts, max_vertices, timeout_s)
-        _write(file, found)
+        parts_cache.write(key, found)
     parts = tuple(replace(part, vertices=part.vertices * size + low) for part in found.parts)
-    return Decomposition(parts, found.method)
+    off = found.fidelity
+    return Decomposition(parts, found.method, Fidelity(off.error * size, off.missing * size, off.filled))
 
 
 def cleaned(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
@@ -116,30 +114,49 @@ def cleaned(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
 
 def _decompose(mesh: trimesh.Trimesh, max_parts: int, max_vertices: int, timeout_s: float) -> Decomposition:
     bodies = _bodies(mesh)
-    if len(bodies) <= max_parts and all(body.convex for body in bodies):
-        parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
-        return Decomposition(tuple(parts), "exact: " + ("convex" if len(parts) == 1 else f"{len(parts)} convex bodies"))
-    if len(bodies) <= MOST_MERGED and all(body.convex for body in bodies):
+    tried: list[Decomposition] = []
+
+    def offer(parts: Sequence[Part], method: str) -> None:
+        tried.append(Decomposition(tuple(parts), method, fidelity(mesh, parts)))
+
+    if all(body.convex for body in bodies) and len(bodies) <= MOST_MERGED:
+        if len(bodies) <= max_parts:
+            parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
+            offer(parts, "exact: " + ("convex" if len(parts) == 1 else f"{len(parts)} convex bodies"))
+            return tried[0]
         parts = merged([body.mesh.vertices for body in bodies], max_parts, max_vertices)
-        union = manifold3d.Manifold.batch_boolean([body.solid for body in bodies], manifold3d.OpType.Add)
-        if mass_properties(parts).volume <= MERGED_VOLUME * union.volume():
-            return Decomposition(tuple(parts), f"merged: {len(bodies)} convex bodies into {len(parts)} parts")
+        offer(parts, f"merged: {len(bodies)} convex bodies into {len(parts)} parts")
+    parts = cut(mesh, max_parts, max_vertices)
+    if parts:
+        offer(parts, f"cut: {len(parts)} parts")
+    why = ""
+    if not tried or min(one.fidelity.error for one in tried) > GOOD:
+        parts, name, why = _by_coacd(mesh, bodies, max_parts, max_vertices, timeout_s)
+        if parts:
+            offer(parts, f"{name}: {len(parts)} parts")
+    if not tried:
+        offer([convex_part(mesh.vertices, max_vertices)], "hull: of the whole")
+    best = min(tried, key=lambda one: one.fidelity.error)
+    return replace(best, method=f"{best.method}; {why}") if why else best
+
+
+def _by_coacd(
+    mesh: trimesh.Trimesh, bodies: Sequence[_Body], max_parts: int, max_vertices: int, timeout_s: float
+) -> tuple[list[Part], str, str]:
+    """CoACD's parts and settings, or nothing and why it failed."""
     if all(body.closed for body in bodies):
         union = manifold3d.Manifold.batch_boolean([body.solid for body in bodies], manifold3d.OpType.Add)
         vertices, faces = arrays(union)
         preprocess = "off"
     else:
         vertices, faces, preprocess = np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32), "on"
+    why = ""
     for name in SETTINGS:
-        hulls, why = run_coacd(vertices, faces, preprocess, name, max_parts, timeout_s)
+        hulls, why = run_coacd(vertices, faces, preprocess, name, max_parts, timeout_s / len(SETTINGS))
         if hulls:
-            parts = _solid_parts([convex_part(points, max_vertices) for points in hulls])
-            return Decomposition(tuple(parts), f"{name}: {len(parts)} parts")
+            return _solid_parts([convex_part(points, max_vertices) for points in hulls]), name, ""
         preprocess = "on"
-    if 1 < len(bodies) <= max_parts:
-        parts = [convex_part(body.mesh.vertices, max_vertices) for body in bodies]
-        return Decomposition(tuple(parts), f"hull: of each body, {why}")
-    return Decomposition((convex_part(mesh.vertices, max_vertices),), f"hull: of the whole, {why}")
+    return [], "", why
 
 
 def merged(pieces: Sequence[NDArray[np.float64]], max_parts: int, max_vertices: int = 24) -> list[Part]:
@@ -186,30 +203,6 @@ def _solid_parts(parts: list[Part]) -> list[Part]:
     return [part for part, volume in zip(parts, volumes, strict=True) if volume > 1e-5 * volumes.max()]
 
 
-def _read(file: Path) -> Decomposition | None:
-    try:
-        with np.load(file) as found:
-            count = int(found["count"])
-            parts = tuple(Part(found[f"v{i}"], found[f"f{i}"]) for i in range(count))
-            return Decomposition(parts, str(found["method"]))
-    except (OSError, KeyError, ValueError, EOFError):
-        return None
-
-
-def _write(file: Path, found: Decomposition) -> None:
-    """Keep a result; a cache that cannot be written is no error."""
-    content: dict[str, NDArray] = {"count": np.array(len(found.parts)), "method": np.array(found.method)}
-    for i, part in enumerate(found.parts):
-        content |= {f"v{i}": part.vertices, f"f{i}": part.faces}
-    partial = file.with_name(f".{file.stem}-{uuid.uuid4().hex}.npz")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(partial, **content)  # type: ignore[arg-type]
-        partial.replace(file)
-    except OSError:
-        partial.unlink(missing_ok=True)
-
-
 def build_asset(
     name: str,
     category: str,
@@ -221,7 +214,7 @@ def build_asset(
     decomposition: str | None = None,
     source: str = "",
     meta: dict[str, str] | None = None,
-    max_parts: int = 8,
+    max_parts: int = MOST_PARTS,
     max_vertices: int = 24,
     timeout_s: float = 60.0,
 ) -> ObjectAsset:
@@ -236,7 +229,7 @@ def build_asset(
         mass: kg where the source states it.
         decomposition: how given parts came about; "exact" unless told otherwise.
         source: for people.
-        meta: more for people.
+        meta: more for people; how far parts that had to be made stand off the mesh is added.
         max_parts: for `decompose`.
         max_vertices: for `decompose`, and per given part.
         timeout_s: for `decompose`.
@@ -247,6 +240,7 @@ def build_asset(
     if parts is None:
         result = decompose(mesh, max_parts=max_parts, max_vertices=max_vertices, timeout_s=timeout_s)
         solids, method = result.parts, result.method
+        meta = {**(meta or {}), **result.fidelity.words}
     else:
         solids = tuple(one if isinstance(one, Part) else convex_part(one, max_vertices) for one in parts)
         method = decomposition or f"exact: {len(solids)} parts"

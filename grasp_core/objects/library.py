@@ -14,6 +14,7 @@ import trimesh
 from grasp_core.errors import MeshError
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.objects.decomposition import build_asset
+from grasp_core.objects.fidelity import fidelity
 from grasp_core.objects.meshes import FORMATS, read_mesh
 from grasp_core.objects.parametric import make
 from grasp_core.objects.urdf import read_urdf
@@ -62,8 +63,10 @@ def load_object(
         timeout_s: for the decomposition.
 
     Returns:
-        The asset. `meta["filled"]` is the parts' volume over the mesh's where the mesh is closed: far above 1
-        (lattices, cages) the parts are a poor likeness and the object is better left out of training.
+        The asset. `meta["parts_off_mm"]` tells how far the parts, which are simulated, stand off the visible mesh on
+        average, `meta["parts_filled"]` which share of their surface lies far off it (filled concavities), and
+        `meta["filled"]` the parts' volume over the mesh's where the mesh is closed. Large ones (lattices, cages) are
+        poor likenesses and better left out of training.
 
     Raises:
         MeshError: unreadable, unusable or of an impossible size; the message names the file and the way out.
@@ -97,6 +100,8 @@ def load_object(
         )
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
+    if parts is not None:
+        asset.meta.update(fidelity(asset.mesh, asset.parts).words)
     if mesh.is_watertight and mesh.volume > 0:
         asset.meta["filled"] = f"{asset.volume / mesh.volume:.3f}"
     return asset

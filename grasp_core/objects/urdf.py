@@ -21,7 +21,7 @@ from grasp_core.objects.meshes import read_mesh, united
 DENSITY = 500.0
 """kg/m³ of exported objects whose mass nobody stated."""
 
-MOST_CONVEX = 24
+MOST_CONVEX = 32
 """Collision pieces that are kept as they are; more of them are united and decomposed."""
 
 
@@ -46,7 +46,7 @@ class UrdfObject:
     notes: str = ""
 
 
-def read_urdf(path: str | Path, *, max_parts: int = 8, timeout_s: float = 60.0) -> UrdfObject:
+def read_urdf(path: str | Path, *, max_parts: int = MOST_CONVEX, timeout_s: float = 60.0) -> UrdfObject:
     """Read a URDF as one rigid object: all links in one piece, movable joints frozen at zero.
 
     Args:

