@@ -37,7 +37,7 @@ def test_tests_are_no_packages():
 
 
 def test_the_mapping():
-    assert test_file(Path("grasp_core/sensing/noise.py")) == Path("tests/grasp_core/sensing/test_noise.py")
-    assert test_file(Path("grasp_core/cli/__init__.py")) == Path("tests/grasp_core/test_cli.py")
-    assert test_file(Path("workbench/app.py")) == Path("tests/workbench/test_app.py")
-    assert test_file(Path("workbench/panels/plan.py")) == Path("tests/workbench/panels/test_plan.py")
+    assert tests_of(Path("grasp_core/sensing/noise.py")) == Path("tests/grasp_core/sensing/test_noise.py")
+    assert tests_of(Path("grasp_core/cli/__init__.py")) == Path("tests/grasp_core/test_cli.py")
+    assert tests_of(Path("workbench/app.py")) == Path("tests/workbench/test_app.py")
+    assert tests_of(Path("workbench/panels/plan.py")) == Path("tests/workbench/panels/test_plan.py")
