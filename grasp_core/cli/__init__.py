@@ -40,6 +40,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "train pack": ("train", "Pack", "pack trained networks into one weights file"),
     "train assess": ("train", "Assess", "measure weights on a dataset, with figures"),
     "trial": ("trial", "TrialCommand", "execute one grasp on one object in DART"),
+    "crosscheck": ("crosscheck", "CrosscheckCommand", "compare the verdicts of physics engines"),
     "benchmark success": ("benchmark_success", "BenchmarkSuccess", "success of planners on unseen objects, in DART"),
     "benchmark trials": ("benchmark_trials", "BenchmarkTrials", "how fast trials are, beside MuJoCo"),
     "benchmark latency": ("benchmark_latency", "BenchmarkLatency", "how long a plan takes, by stage and backend"),

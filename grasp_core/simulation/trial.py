@@ -113,6 +113,13 @@ class GraspTrial:
 
     Every attempt starts from the same state and depends on nothing but its own seed: not on the process, the order or
     the other grasps of a batch.
+
+    Attributes:
+        scene: objects at rest.
+        gripper: executes.
+        physics: of the world.
+        noise: of the execution, or None.
+        precheck: the scene's height map and what follows from it.
     """
 
     def __init__(
@@ -145,7 +152,7 @@ class GraspTrial:
         self.noise = noise
         self._whole = whole
         self._poses = [np.asarray(placed.world_from_object, float) for placed in scene.objects]
-        self._precheck = Precheck(
+        self.precheck = Precheck(
             [
                 [part.vertices @ pose[:3, :3].T + pose[:3, 3] for part in placed.asset.parts]
                 for placed, pose in zip(scene.objects, self._poses, strict=True)
@@ -168,7 +175,7 @@ class GraspTrial:
         """
         self._refuse(grasp)
         executed = self._draw(grasp, seed, 0)
-        return self._judge(grasp, seed, executed, self._precheck.check(_rows([executed])), 0, record)
+        return self._judge(grasp, seed, executed, self.precheck.check(_rows([executed])), 0, record)
 
     def trial(self, grasp: Grasp, attempts: int = 5, seed: int = 0) -> Trial:
         """Execute a grasp several times with seeds derived from `seed`.
@@ -200,7 +207,7 @@ class GraspTrial:
             for grasp, own in zip(grasps, each, strict=True)
             for number in range(distinct)
         ]
-        checked = self._precheck.check(_rows(executed))
+        checked = self.precheck.check(_rows(executed))
         trials = []
         for index, grasp in enumerate(grasps):
             rows = range(index * distinct, (index + 1) * distinct)
@@ -211,9 +218,13 @@ class GraspTrial:
             trials.append(Trial(grasp, tuple(done[number % distinct] for number in range(attempts))))
         return trials
 
+    def check(self, executed: Grasp) -> Verdict:
+        """What the height map says about a grasp, as executed."""
+        return Verdict(int(self.precheck.check(_rows([executed])).verdict[0]))
+
     def free_way(self, executed: Grasp) -> float:
         """How far both fingers of a grasp, as executed, may close before dynamics need to start, metres."""
-        return self._advance(self._precheck.check(_rows([executed])), 0)
+        return self._advance(self.precheck.check(_rows([executed])), 0)
 
     def _advance(self, checked: Prechecked, row: int) -> float:
         gap = float(checked.gaps[row].min())
@@ -236,7 +247,7 @@ class GraspTrial:
         for redraw in range(_REDRAWS):
             if redraw:
                 executed = self._draw(grasp, seed, redraw)
-                checked, row = self._precheck.check(_rows([executed])), 0
+                checked, row = self.precheck.check(_rows([executed])), 0
             attempt = self._finish(seed, executed, checked, row, redraw, record)
             if attempt.outcome is not Outcome.UNSTABLE:
                 return attempt
