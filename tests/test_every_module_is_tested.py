@@ -14,7 +14,7 @@ MODULES = [
 ]
 
 
-def tests_of(module: Path) -> Path:
+def place_of_tests(module: Path) -> Path:
     """Where the tests of a module stand; a package with code in its `__init__.py` is tested beside its folder."""
     own = module.parent if module.name == "__init__.py" else module.with_suffix("")
     return Path("tests") / own.parent / f"test_{own.name}.py"
@@ -22,14 +22,14 @@ def tests_of(module: Path) -> Path:
 
 @pytest.mark.parametrize("module", MODULES, ids=str)
 def test_every_module_has_its_tests(module):
-    tests = ROOT / tests_of(module)
-    assert tests.is_file(), f"{module} has no tests: write {tests_of(module)}"
+    tests = ROOT / place_of_tests(module)
+    assert tests.is_file(), f"{module} has no tests: write {place_of_tests(module)}"
     functions = [
         node.name
         for node in ast.walk(ast.parse(tests.read_text(encoding="utf-8")))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test")
     ]
-    assert functions, f"{tests_of(module)} tests nothing"
+    assert functions, f"{place_of_tests(module)} tests nothing"
 
 
 def test_tests_are_no_packages():
@@ -37,7 +37,7 @@ def test_tests_are_no_packages():
 
 
 def test_the_mapping():
-    assert tests_of(Path("grasp_core/sensing/noise.py")) == Path("tests/grasp_core/sensing/test_noise.py")
-    assert tests_of(Path("grasp_core/cli/__init__.py")) == Path("tests/grasp_core/test_cli.py")
-    assert tests_of(Path("workbench/app.py")) == Path("tests/workbench/test_app.py")
-    assert tests_of(Path("workbench/panels/plan.py")) == Path("tests/workbench/panels/test_plan.py")
+    assert place_of_tests(Path("grasp_core/sensing/noise.py")) == Path("tests/grasp_core/sensing/test_noise.py")
+    assert place_of_tests(Path("grasp_core/cli/__init__.py")) == Path("tests/grasp_core/test_cli.py")
+    assert place_of_tests(Path("workbench/app.py")) == Path("tests/workbench/test_app.py")
+    assert place_of_tests(Path("workbench/panels/plan.py")) == Path("tests/workbench/panels/test_plan.py")
