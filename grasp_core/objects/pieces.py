@@ -9,6 +9,7 @@ in each piece, so that flat sides and corners are exact; thin sheets get a small
 from __future__ import annotations
 
 import heapq
+import itertools
 from dataclasses import dataclass
 
 import manifold3d
@@ -39,9 +40,6 @@ SMALLEST = 12
 _NORMALS = np.array(
     [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]]
 )
-_REACH = 1024
-"""More than a grid has cells along a side: a cell is one number, its place in base 1024."""
-_CORNERS = np.array([(i * _REACH + j) * _REACH + k for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 @dataclass
@@ -73,14 +71,19 @@ def _piece(cells: NDArray[np.int64], costs: NDArray[np.float64], corners: NDArra
 
 
 def _extremes(cells: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Corners of those cells that can touch the hull: the ends of each column."""
-    columns = cells[:, 0] * _REACH + cells[:, 1]
-    keys = columns * _REACH + cells[:, 2]
-    order = np.argsort(keys, kind="stable")
-    new = np.diff(columns[order]) != 0
-    ends = keys[order[np.r_[True, new] | np.r_[new, True]]]
-    corners = np.unique((ends[:, None] + _CORNERS).ravel())
-    return np.stack([corners // _REACH**2, corners // _REACH % _REACH, corners % _REACH], axis=1).astype(float)
+    """Corners of those cells that can touch the hull: those without neighbours on both sides."""
+    low = cells.min(axis=0)
+    shape = cells.max(axis=0) - low + 1
+    at = (cells - low) @ [shape[1] * shape[2], shape[2], 1]
+    grid = np.zeros(int(shape.prod()), bool)
+    grid[at] = True
+    grid = grid.reshape(shape)
+    end = grid.copy()
+    end[:, :, 1:-1] &= ~(grid[:, :, :-2] & grid[:, :, 2:])
+    corners = np.zeros(shape + 1, bool)
+    for i, j, k in itertools.product((0, 1), repeat=3):
+        corners[i : i + shape[0], j : j + shape[1], k : k + shape[2]] |= end
+    return np.argwhere(corners) + low.astype(float)
 
 
 def _filled(vertices: NDArray[np.float64], faces: NDArray[np.int32], costs: NDArray[np.float64]) -> float:
