@@ -76,6 +76,17 @@ def test_folders_count_from_the_recipe_file(tmp_path):
     assert [plan.name for plan in plan_objects(load_recipe(file))] == ["a"]
 
 
+def test_meshes_that_a_urdf_names_are_no_objects_of_their_own(tmp_path):
+    for name in ("piece.stl", "other.stl"):
+        trimesh.creation.box((0.05, 0.04, 0.06)).export(tmp_path / name)
+    shape = '<geometry><mesh filename="piece.stl"/></geometry>'
+    (tmp_path / "cup.urdf").write_text(
+        f'<robot name="cup"><link name="l"><collision>{shape}</collision></link></robot>'
+    )
+    plans = plan_objects(Recipe(name="t", train=Objects(folders=(Folder(path=str(tmp_path)),))))
+    assert [plan.name for plan in plans] == ["cup", "other"]
+
+
 def test_empty_folder_is_named(tmp_path):
     with pytest.raises(ConfigError, match="holds no object"):
         plan_objects(Recipe(name="t", train=Objects(folders=(Folder(path=str(tmp_path)),))))
