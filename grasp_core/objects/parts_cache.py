@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,7 +58,8 @@ def write(key: str, found: Decomposition) -> None:
         np.savez_compressed(partial, **content)  # type: ignore[arg-type]
         partial.replace(file)
     except OSError:
-        partial.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            partial.unlink()
 
 
 def _file(key: str) -> Path:
