@@ -40,9 +40,9 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.browser)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """A running headless Chromium (playwright's handle)."""
+    """A running headless Chromium; ended with the module, since playwright keeps an event loop running in this thread."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
@@ -56,7 +56,7 @@ def chromium():
         browser.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def workbench(chromium, tmp_path_factory):
     """`grasp-workbench` as a user starts it: its address and its dataset's folder."""
     dataset = tmp_path_factory.mktemp("browser") / "own"
