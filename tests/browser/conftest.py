@@ -42,7 +42,7 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="module")
 def chromium():
-    """A running headless Chromium; ended with the module, since playwright keeps an event loop running in this thread."""
+    """A running headless Chromium, ended with its module: playwright keeps an event loop running in this thread."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
