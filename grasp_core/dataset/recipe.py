@@ -16,6 +16,7 @@ from grasp_core import config
 from grasp_core.dataset.rows import SPLITS, Split
 from grasp_core.errors import ConfigError, MeshError
 from grasp_core.objects.asset import ObjectAsset
+from grasp_core.objects.sets import set_files, set_of
 from grasp_core.planning.crops import DepthRule
 from grasp_core.simulation.trial import GraspNoise
 
@@ -40,7 +41,7 @@ class Objects(config.Settings):
     Attributes:
         families: parametric family → how many of it.
         first: seed of the first object of each family; the next ones follow.
-        names: single objects of the catalogue, such as "mug_003".
+        names: single objects of the catalogue, such as "mug_003", or of an installed set, such as "random_urdfs_003".
         folders: of meshes.
     """
 
@@ -118,7 +119,7 @@ class ObjectPlan(msgspec.Struct, frozen=True):
     Attributes:
         name: unique in the dataset.
         split: that it belongs to.
-        family: parametric family or "" for files.
+        family: parametric family or installed set, "" for files.
         seed: of the family member, or of the drawn size of a file.
         file: of a mesh or URDF, or "".
         scale: of a file.
@@ -137,13 +138,11 @@ class ObjectPlan(msgspec.Struct, frozen=True):
         Raises:
             MeshError: its file cannot be used.
         """
-        if self.family:
-            from grasp_core.objects.parametric import make
+        from grasp_core.objects.library import catalogue, load_object
 
-            return make(self.family, self.seed)
-        from grasp_core.objects.library import load_object
-
-        return load_object(Path(self.file), scale=self.scale, seed=self.seed, name=self.name)
+        if self.file:
+            return load_object(Path(self.file), scale=self.scale, seed=self.seed, name=self.name)
+        return catalogue(self.name)
 
 
 def name_seed(seed: int, *names: str) -> int:
@@ -156,7 +155,8 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
     """Every object of a recipe, split by split.
 
     Raises:
-        ConfigError: an unknown family, a missing folder, no objects, or one object that is asked for twice.
+        ConfigError: an unknown family, a set that is not installed, a missing folder, no objects, or one object that is
+            asked for twice.
     """
     plans: dict[str, ObjectPlan] = {}
     for split in SPLITS:
@@ -172,6 +172,16 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
     return list(plans.values())
 
 
+def _check_set_object(recipe: Recipe, owner: str, name: str) -> None:
+    """Say before any work that a set is not installed or lacks an object."""
+    try:
+        known = set_files(owner)
+    except MeshError as error:
+        raise ConfigError(f"recipe '{recipe.name}': {error}") from error
+    if name not in known:
+        raise ConfigError(f"recipe '{recipe.name}': the set '{owner}' has no object '{name}'")
+
+
 def _split_plans(recipe: Recipe, split: Split) -> list[ObjectPlan]:
     objects = recipe.objects(split)
     known = _families()
@@ -180,9 +190,15 @@ def _split_plans(recipe: Recipe, split: Split) -> list[ObjectPlan]:
         (family, seed) for family, n in objects.families.items() for seed in range(objects.first, objects.first + n)
     ]
     for name in objects.names:
+        if (owner := set_of(name)) is not None:
+            _check_set_object(recipe, owner, name)
+            plans.append(ObjectPlan(name, split, owner))
+            continue
         family, _, number = name.rpartition("_")
         if not number.isdigit():
-            raise ConfigError(f"recipe '{recipe.name}': '{name}' is no object of the catalogue (such as mug_003)")
+            raise ConfigError(
+                f"recipe '{recipe.name}': '{name}' is no object of the catalogue (such as mug_003) or of an installed set"
+            )
         wanted.append((family, int(number)))
     for family, seed in wanted:
         if family not in known:
