@@ -136,7 +136,8 @@ class Restore:
     def run(self) -> int:
         """Restore, with a progress bar on stderr."""
         from grasp_core.dataset.archive import read_archive
-        from grasp_core.dataset.restore import restore, sample_scenes
+        from grasp_core.dataset.restore import restore
+        from grasp_core.dataset.sample import sample_scenes
         from grasp_core.dataset.store import datasets_folder
         from grasp_core.parallel import Executor
 

@@ -172,32 +172,27 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
     return list(plans.values())
 
 
-def _check_set_object(recipe: Recipe, owner: str, name: str) -> None:
-    """Say before any work that a set is not installed or lacks an object."""
-    try:
-        known = set_files(owner)
-    except MeshError as error:
-        raise ConfigError(f"recipe '{recipe.name}': {error}") from error
-    if name not in known:
-        raise ConfigError(f"recipe '{recipe.name}': the set '{owner}' has no object '{name}'")
-
-
 def _split_plans(recipe: Recipe, split: Split) -> list[ObjectPlan]:
     objects = recipe.objects(split)
     known = _families()
+    try:  # before hours of work that would leave their objects out
+        sets = {owner: set_files(owner) for owner in {set_of(name) for name in objects.names} if owner is not None}
+    except MeshError as error:
+        raise ConfigError(f"recipe '{recipe.name}': {error}") from error
     plans = []
     wanted = [
         (family, seed) for family, n in objects.families.items() for seed in range(objects.first, objects.first + n)
     ]
     for name in objects.names:
         if (owner := set_of(name)) is not None:
-            _check_set_object(recipe, owner, name)
+            if name not in sets[owner]:
+                raise ConfigError(f"recipe '{recipe.name}': the set '{owner}' has no object '{name}'")
             plans.append(ObjectPlan(name, split, owner))
             continue
         family, _, number = name.rpartition("_")
         if not number.isdigit():
             raise ConfigError(
-                f"recipe '{recipe.name}': '{name}' is no object of the catalogue (such as mug_003) or of an installed set"
+                f"recipe '{recipe.name}': '{name}' is no object of the catalogue (such as mug_003) or of a set"
             )
         wanted.append((family, int(number)))
     for family, seed in wanted:
