@@ -7,6 +7,8 @@ any executor, any machine and any interruption end in the same content.
 from __future__ import annotations
 
 import hashlib
+import itertools
+from collections import Counter
 from pathlib import Path
 from typing import Literal
 
@@ -28,11 +30,15 @@ class Folder(config.Settings):
         path: of the folder.
         scale: "keep" takes the numbers as metres, "paper" resizes the longest side to 10-20 cm, a number multiplies.
         most: at most so many files, in the order of their paths; None takes all.
+        skip: so many files before those.
+        modelnet: the folder is laid out as ModelNet's; take this split of it, its classes in turn.
     """
 
     path: str
     scale: Literal["keep", "paper"] | float = "keep"
     most: int | None = None
+    skip: int = 0
+    modelnet: Literal["train", "test"] | None = None
 
 
 class Objects(config.Settings):
@@ -213,16 +219,53 @@ def _families() -> set[str]:
 
 
 def _folder_plans(recipe: Recipe, split: Split, folder: Folder) -> list[ObjectPlan]:
-    from grasp_core.objects.library import find_files
-
     root = Path(folder.path)
     try:
-        found = find_files(root)
+        named = _modelnet_files(root, folder.modelnet) if folder.modelnet else _mesh_files(root)
     except MeshError as error:
         raise ConfigError(f"recipe '{recipe.name}': {error}") from error
     plans = []
-    for path in found[: folder.most]:
-        name = path.relative_to(root).with_suffix("").as_posix()
+    for name, path in named[folder.skip :][: folder.most]:
         seed = name_seed(recipe.seed, "scale", name) % 2**32
         plans.append(ObjectPlan(name, split, "", seed, str(path), folder.scale))
     return plans
+
+
+def _mesh_files(root: Path) -> list[tuple[str, Path]]:
+    from grasp_core.objects.library import find_files
+
+    return [(path.relative_to(root).with_suffix("").as_posix(), path) for path in find_files(root)]
+
+
+def _modelnet_files(root: Path, part: str) -> list[tuple[str, Path]]:
+    """Names and files of a split of ModelNet: the first of each class, the second of each, …"""
+    from grasp_core.objects.modelnet import find_modelnet
+
+    classes: dict[str, list[Path]] = {}
+    for path, label, _ in find_modelnet(root, split=part):
+        classes.setdefault(label, []).append(path)
+    turns = itertools.zip_longest(*classes.values())
+    return [(path.stem, path) for turn in turns for path in turn if path is not None]
+
+
+def with_modelnet(recipe: Recipe, path: str | Path) -> Recipe:
+    """The recipe with ModelNet's meshes in place of its objects, as many of each split, at the paper's scale.
+
+    ModelNet's test meshes stay test objects; its train meshes are learnt from, the next ones of them validate.
+
+    Raises:
+        ConfigError: the recipe's own objects cannot be planned.
+    """
+    counts = Counter(plan.split for plan in plan_objects(recipe))
+    root = str(Path(path).expanduser().resolve())
+
+    def part(name: Literal["train", "test"], most: int, skip: int = 0) -> Objects:
+        return Objects(folders=(Folder(root, "paper", most, skip, name),))
+
+    return msgspec.structs.replace(
+        recipe,
+        name=f"{recipe.name}-modelnet",
+        train=part("train", counts["train"]),
+        validation=part("train", counts["validation"], skip=counts["train"]),
+        test=part("test", counts["test"]),
+    )

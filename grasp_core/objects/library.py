@@ -73,7 +73,7 @@ def load_object(
     """
     path = Path(path).expanduser()
     name = name or path.stem
-    category = category or re.sub(r"[_\-]?\d+$", "", name) or name
+    category = category or re.sub(r"[_\-]?\d+$", "", name.rpartition("/")[2]) or name
     meta = {"file": path.name}
     if path.suffix.lower() == ".urdf":
         found = read_urdf(path, timeout_s=timeout_s)

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from grasp_core import config
-from grasp_core.dataset.recipe import Folder, Objects, Recipe, load_recipe, name_seed, plan_objects
+from grasp_core.dataset.recipe import Folder, Objects, Recipe, load_recipe, name_seed, plan_objects, with_modelnet
 from grasp_core.dataset.rows import SPLITS
 from grasp_core.errors import ConfigError
 from grasp_core.objects import sets
@@ -151,6 +151,30 @@ def test_folders_count_from_the_recipe_file(tmp_path):
     assert 0.10 <= asset.extents.max() <= 0.20
     file.write_text("name: own\ntrain:\n  folders:\n    - {path: meshes, most: 1}\n")
     assert [plan.name for plan in plan_objects(load_recipe(file))] == ["a"]
+
+
+def test_modelnet_takes_the_place_of_the_objects_and_keeps_its_split(tmp_path):
+    for label in ("chair", "flower_pot"):
+        for split in ("train", "test"):
+            (tmp_path / label / split).mkdir(parents=True)
+            for number in range(3):
+                trimesh.creation.box((30, 20, 10)).export(
+                    tmp_path / label / split / f"{label}_{split}_{number:04d}.off"
+                )
+    own = Objects(families={"box": 3})
+    recipe = Recipe(name="t", train=own, validation=Objects(names=("box_008",)), test=Objects(names=("box_009",)))
+    plans = plan_objects(with_modelnet(recipe, tmp_path))
+    assert [(plan.name, plan.split) for plan in plans] == [
+        ("chair_train_0000", "train"),
+        ("flower_pot_train_0000", "train"),
+        ("chair_train_0001", "train"),
+        ("flower_pot_train_0001", "validation"),
+        ("chair_test_0000", "test"),
+    ]
+    asset = plans[3].make()
+    assert asset.category == "flower_pot_train" and 0.1 <= asset.extents.max() <= 0.2
+    with pytest.raises(ConfigError, match="is no ModelNet folder"):
+        plan_objects(with_modelnet(recipe, tmp_path / "chair" / "train"))
 
 
 def test_meshes_that_a_urdf_names_are_no_objects_of_their_own(tmp_path):
