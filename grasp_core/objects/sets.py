@@ -16,6 +16,11 @@ SETS = {
 """Set → (package that holds it, folder in it, pattern)."""
 
 
+def set_of(name: str) -> str | None:
+    """The set that an object's name belongs to, whether it is installed or not."""
+    return next((owner for owner in SETS if name.startswith(f"{owner}_")), None)
+
+
 def set_files(name: str) -> dict[str, Path]:
     """Object name ("rgb_<shape>", "random_urdfs_<number>") → file, sorted; one file for each name.
 
@@ -42,14 +47,12 @@ def set_object(full_name: str, *, timeout_s: float = 60.0) -> ObjectAsset:
     Raises:
         MeshError: no such object or set, the set is not installed, or its file cannot be used.
     """
-    for name in SETS:
-        if full_name.startswith(name + "_"):
-            files = set_files(name)
-            if full_name not in files:
-                raise MeshError(
-                    f"the set '{name}' has no object '{full_name}'; `set_files` lists its {len(files)} names"
-                )
-            asset = load_object(files[full_name], name=full_name, category=name, timeout_s=timeout_s)
-            asset.meta["split"] = files[full_name].parent.name if name == "rgb" else "train"
-            return asset
-    raise MeshError(f"'{full_name}' belongs to no installable set; their names begin with: {', '.join(SETS)}")
+    name = set_of(full_name)
+    if name is None:
+        raise MeshError(f"'{full_name}' belongs to no installable set; their names begin with: {', '.join(SETS)}")
+    files = set_files(name)
+    if full_name not in files:
+        raise MeshError(f"the set '{name}' has no object '{full_name}'; `set_files` lists its {len(files)} names")
+    asset = load_object(files[full_name], name=full_name, category=name, timeout_s=timeout_s)
+    asset.meta["split"] = files[full_name].parent.name if name == "rgb" else "train"
+    return asset
