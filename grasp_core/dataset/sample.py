@@ -42,7 +42,6 @@ def sample_scenes(archive: Archive, counts: dict[Split, int] = SCENES) -> list[s
 def sample_dataset(
     archive: str | Path = "default",
     *,
-    executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> Path:
@@ -53,7 +52,6 @@ def sample_dataset(
 
     Args:
         archive: a shipped name, or a path that ends in .xz.
-        executor: where images are rendered.
         progress: called with (done, total) scenes while it is made.
         cancelled: asked a few times a second; true ends it.
 
@@ -65,8 +63,9 @@ def sample_dataset(
     path = datasets_folder() / f"sample-{hashlib.sha256(data).hexdigest()[:8]}"
     if not _complete(path):
         found = read_archive(archive)
+        here = Executor(workers=0)  # other processes would take longer to start
         only = sample_scenes(found)
-        restore(found, path, only=only, executor=executor, progress=progress, cancelled=cancelled).close()
+        restore(found, path, only=only, executor=here, progress=progress, cancelled=cancelled).close()
     return path
 
 

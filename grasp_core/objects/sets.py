@@ -1,4 +1,8 @@
-"""Sets of meshes that users can install (extra `objects`): read from the installed packages, never copied into ours."""
+"""Sets of meshes that users can install (extra `objects`), read from the installed packages.
+
+"rgb" are the RGB objects of dm_robotics (Apache-2.0), "random_urdfs" those of PyBullet's data (zlib). Archives of
+labels hold the cleaned meshes and parts of the objects that their recipe names: restoring them needs no set.
+"""
 
 from __future__ import annotations
 

@@ -15,13 +15,11 @@ from grasp_core.dataset.verify import verify
 from grasp_core.errors import Cancelled, StoreError
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import load_gripper
-from grasp_core.parallel import Executor
 from grasp_core.scene import Scene, place
 from grasp_core.sensing.renderer import render
 from grasp_core.simulation.physics import load_physics
 from grasp_core.simulation.trial import child_seed
 
-HERE = Executor(workers=0)
 RECIPE = Recipe(name="boxes")
 
 
@@ -71,7 +69,7 @@ def archive(tmp_path, make_box, at_rest):
 def test_it_is_made_once_and_stays_as_people_left_it(archive, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     calls = []
-    path = sample_dataset(archive, executor=HERE, progress=lambda *call: calls.append(call))
+    path = sample_dataset(archive, progress=lambda *call: calls.append(call))
     assert path.is_relative_to(tmp_path)
     assert calls[-1] == (16, 16)
     with DatasetStore.open(path) as store:
@@ -87,9 +85,9 @@ def test_cancelled_it_goes_on(archive, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     done = []
     with pytest.raises(Cancelled):
-        sample_dataset(archive, executor=HERE, progress=lambda *c: done.append(c), cancelled=lambda: len(done) > 3)
+        sample_dataset(archive, progress=lambda *c: done.append(c), cancelled=lambda: len(done) > 3)
     again = []
-    sample_dataset(archive, executor=HERE, progress=lambda *call: again.append(call))
+    sample_dataset(archive, progress=lambda *call: again.append(call))
     assert 0 < again[0][0] == done[-1][0] < 16 and again[-1] == (16, 16)
 
 
@@ -97,7 +95,7 @@ def test_another_archive_gets_its_own_copy(archive, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     other = tmp_path / "other.npz.xz"
     other.write_bytes(lzma.compress(lzma.decompress(archive.read_bytes()), preset=0))
-    assert sample_dataset(archive, executor=HERE) != sample_dataset(other, executor=HERE)
+    assert sample_dataset(archive) != sample_dataset(other)
 
 
 def test_no_archive_is_said():
