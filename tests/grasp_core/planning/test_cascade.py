@@ -132,18 +132,36 @@ def test_a_mask_limits_where_to_grasp(planner, photo, make_box, rng):
             planner(image, mask=wrong, rng=rng)
 
 
-def test_a_budget_returns_the_best_found_in_time(make_runtime, photo, make_box, rng):
-    runtime = make_runtime(delay=0.05)
-    planner = CascadePlanner(runtime, GRIPPER)
+def test_a_budget_returns_the_best_found_in_time(make_runtime, clock, photo, make_box, rng):
+    runtime = make_runtime(delay=0.05, clock=clock)
+    planner = CascadePlanner(runtime, GRIPPER, settings(regions=1))
     image = photo(make_box(0, 0))
     planner(image, rng=rng)
     assert runtime.scored == [64]
-    runtime.scored.clear()
-    plan = planner(image, budget_ms=1.0, rng=rng)
-    assert runtime.scored == [16] and len(plan.scored) == 16
-    runtime.scored.clear()
-    plan = planner(image, budget_ms=60_000, rng=rng)
-    assert runtime.scored == [16] * 4 and len(plan.scored) == 64
+    for budget, batches in ((101, 1), (151, 2), (60_000, 4)):
+        runtime.scored.clear()
+        plan = planner(image, budget_ms=budget, rng=rng)
+        assert runtime.scored == [16] * batches and len(plan.scored) == 16 * batches
+        assert plan.candidates and plan.total_ms <= budget
+
+
+def test_a_plan_that_runs_out_of_time_says_so(make_runtime, clock, photo, make_box, rng):
+    runtime = make_runtime(delay=0.05, clock=clock)
+    plan = CascadePlanner(runtime, GRIPPER)(photo(make_box(0, 0)), budget_ms=40, rng=rng)
+    assert plan.candidates == () and runtime.scored == []
+    assert plan.reason == "the time was over before any grasp was scored"
+
+
+def test_further_regions_are_tried_until_there_are_enough_candidates(make_runtime, photo, make_box, rng):
+    image = photo(make_box(-0.1, 0.0), make_box(0.1, 0.0))
+    few, many = (
+        CascadePlanner(make_runtime(), GRIPPER, settings(enough=enough, candidates=30, regions=6))(
+            image, rng=np.random.default_rng(0)
+        )
+        for enough in (1, 15)
+    )
+    assert len(few.candidates) < 15 <= len(many.candidates)
+    assert len(many.scored) > len(few.scored) == 64
 
 
 def test_missing_pixels_are_filled_and_their_share_reported(planner, photo, make_box, rng):

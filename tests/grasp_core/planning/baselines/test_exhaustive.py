@@ -49,8 +49,8 @@ def test_empty_plans_say_why(photo, make_box, make_runtime, rng):
     assert blocked.candidates == () and "grasps of the grid" in blocked.reason
 
 
-def test_a_budget_ends_the_search(photo, make_box, make_runtime, rng):
-    slow = make_runtime(delay=0.05)
+def test_a_budget_ends_the_search(photo, make_box, make_runtime, clock, rng):
+    slow = make_runtime(delay=0.05, clock=clock)
     settings = ExhaustiveSettings(stride=3)
     plan = ExhaustivePlanner(slow, GRIPPER, settings)(photo(make_box(0, 0)), budget_ms=60, rng=rng)
     whole = ExhaustivePlanner(make_runtime(), GRIPPER, settings)(photo(make_box(0, 0)), rng=rng)
