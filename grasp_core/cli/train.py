@@ -181,7 +181,7 @@ def train_one(network: Literal["regression", "refined"], options: _Common, setti
         task, fit = train_refined(
             corpus.train, corpus.validation, chosen, opening, options.out, about=about, progress=progress
         )
-        test = task.measures(task.cut(corpus.test)) if corpus.test else {}
+        test = task.measures(corpus.test) if corpus.test else {}
         part = msgspec.structs.replace(part, crop=chosen.crop, width=chosen.width)
         network_module: torch.nn.Module = task.network
     else:
