@@ -33,7 +33,7 @@ class CascadeSettings(SearchSettings):
         angles: tried at each pixel, evenly spread over half a turn.
         scored: grasps that the Refined Network judges in a region, of those that the gripper can reach.
         radius: R_i, in gripper openings.
-        regions: in which grasps are judged at most, one after the other.
+        regions: batches that are judged at most, each in the next best region.
         enough: distinct candidates above t after which no further region is tried.
     """
 
@@ -78,25 +78,29 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
         return Found(batch, scores, none, sampled, search.heat, search.region)
 
     def _regions(self, search: _Search, stages: Stages, rng: np.random.Generator) -> Iterator[Batch]:
-        """What to score in the best region, then in the next best, while there is time.
+        """What to score in the best region, then in the next best, and so on, while there is time.
 
-        Regions in which the gripper reaches nothing are passed over.
+        Regions in which the gripper reaches nothing are passed over. When all places have been in a region it begins
+        anew with the best one, where other pixels and angles are drawn.
         """
         s = self.settings
         radius = s.radius * self.gripper.opening * search.view.camera.intrinsics.fx / search.view.camera.pose[2, 3]
-        left = search.view.places.copy()
-        while len(search.batches) < s.regions and stages.allows(0):
-            with stages.stage("candidates"):
-                found = best_region(search.heat, left, radius)
-                if found is None:
-                    return
-                u, v, region = found
-                left &= ~region
-                batch = self._sample(search, region, rng)
-            if len(batch) or search.region is None:
-                search.region = (u, v, radius)
-            if len(batch):
-                yield batch
+        for _ in range(s.regions):
+            left = search.view.places.copy()
+            while len(search.batches) < s.regions and stages.allows(0):
+                with stages.stage("candidates"):
+                    found = best_region(search.heat, left, radius)
+                    if found is None:
+                        break
+                    u, v, region = found
+                    left &= ~region
+                    batch = self._sample(search, region, rng)
+                if len(batch) or search.region is None:
+                    search.region = (u, v, radius)
+                if len(batch):
+                    yield batch
+            if not search.batches:
+                return
 
     def _sample(self, search: _Search, region: NDArray[np.bool_], rng: np.random.Generator) -> Batch:
         """Reachable grasps in a region: first one angle of every pixel, then a second one, up to the number scored."""

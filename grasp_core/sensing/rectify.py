@@ -39,6 +39,10 @@ _SAME_SURFACE = 0.01
 """Metres: depths farther apart are not interpolated or taken for one surface."""
 _STEEPEST = np.cos(np.radians(75))
 _SQUARE = np.ones((3, 3), np.uint8)
+_BORDER = 40
+"""Points along each border of the image that draw its outline on the canvas."""
+_FAR = 8000.0
+"""Pixels: farther out nothing is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +73,13 @@ class Rectified:
     def rim(self) -> NDArray[np.bool_]:
         """Boolean (H, W) of the turned view: what lies within 3 pixels of the border of the input, or outside."""
         k = self.camera.intrinsics
-        inside = self.turn.warp(np.ones((k.height, k.width), np.float32), 0.0).astype(np.uint8)
-        return cv2.erode(inside, _SQUARE, iterations=3, borderType=cv2.BORDER_CONSTANT, borderValue=0) == 0
+        across, down = np.linspace(3, k.width - 4, _BORDER), np.linspace(3, k.height - 4, _BORDER)
+        low, high = np.full(_BORDER, 3.0), (np.full(_BORDER, k.width - 4.0), np.full(_BORDER, k.height - 4.0))
+        u = np.concatenate([across, high[0], across[::-1], low])
+        v = np.concatenate([low, down, high[1], down[::-1]])
+        outside = np.ones(self.turned.shape, np.uint8)
+        cv2.fillPoly(outside, [np.rint(self.turn.pixels(np.stack([u, v], axis=-1))).astype(np.int32)], 0)
+        return outside > 0
 
     @cached_property
     def _occluders(self) -> NDArray[np.float32]:
@@ -134,6 +143,12 @@ class _Turn:
     shape: tuple[int, int]
     input_from_turned: NDArray[np.float64]
 
+    def pixels(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Pixels (N, 2) of the input → pixels of the turned view; those at or above the horizon end far outside."""
+        rays = np.column_stack([self.intrinsics.rays(pixels), np.ones(len(pixels))])
+        turned = rays @ np.linalg.inv(self.input_from_turned).T
+        return np.clip(turned[:, :2] / np.maximum(turned[:, 2:], 1e-3), -_FAR, _FAR)
+
     def warp(self, values: NDArray[np.float32], outside: float, linear: bool = False) -> NDArray[np.float32]:
         """Values (H, W) of the input → of the turned view, the nearest or interpolated ones."""
         height, width = self.shape
@@ -196,7 +211,9 @@ def _canvas(camera: Camera) -> Camera:
     above[:3, 3] = centre - ahead * centre[2] / ahead[2]
     above[2, 3] = CANONICAL_HEIGHT
     rays = pixel_rays(camera.intrinsics)
-    rim = np.concatenate([rays[0], rays[-1], rays[:, 0], rays[:, -1]]) @ pose[:3, :3].T
+    along = [np.linspace(0, side - 1, _BORDER).astype(int) for side in rays.shape[:2]]
+    rim = np.concatenate([rays[0, along[1]], rays[-1, along[1]], rays[along[0], 0], rays[along[0], -1]])
+    rim = rim @ pose[:3, :3].T.astype(np.float32)
     rim /= np.maximum(-rim[:, 2:], 1e-3)  # a ray above the horizon ends far away, beyond the bounds
     offsets = (rim * centre[2] + centre - above[:3, 3]) @ above[:3, :2] * _DENSITY
     sides = []

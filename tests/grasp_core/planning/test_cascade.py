@@ -152,6 +152,14 @@ def test_a_plan_that_runs_out_of_time_says_so(make_runtime, clock, photo, make_b
     assert plan.reason == "the time was over before any grasp was scored"
 
 
+def test_a_small_thing_is_sampled_again_when_its_only_region_yields_nothing(make_runtime, photo, make_box, rng):
+    image = photo(make_box(0.0, 0.0, (0.03, 0.03, 0.04)))
+    runtime = make_runtime(factor=0.3)
+    plan = CascadePlanner(runtime, GRIPPER, settings(regions=3))(image, rng=rng)
+    assert runtime.scored == [64, 64, 64] and len({c.grasp for c in plan.scored}) > 100
+    assert plan.reason.startswith("all 192 scored grasps are below t")
+
+
 def test_further_regions_are_tried_until_there_are_enough_candidates(make_runtime, photo, make_box, rng):
     image = photo(make_box(-0.1, 0.0), make_box(0.1, 0.0))
     few, many = (
