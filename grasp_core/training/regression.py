@@ -32,6 +32,8 @@ class RegressionSettings(config.Settings):
         overlap: what counts where rectangles overlap.
         least: only labels greater than this are drawn; the mean of overlaps takes all.
         blur: of the drawn map, standard deviation in pixels, so that its best pixel is not anywhere on a plateau.
+        colliding: whether grasps of which every attempt collided are drawn, with the mean of overlaps; planning drops
+            such grasps by geometry before it scores any.
         schedule: how long and how fast.
         augmentation: of whole images.
         views: further renderings of each scene.
@@ -42,6 +44,7 @@ class RegressionSettings(config.Settings):
     overlap: Overlap = "larger"
     least: float = 0.6
     blur: float = 0.0
+    colliding: bool = True
     augmentation: Augmentation = Augmentation()
     views: Views = Views()
 
@@ -52,12 +55,13 @@ class RegressionSettings(config.Settings):
 
 def scene_target(scene: TrainingScene, settings: RegressionSettings, opening: float) -> NDArray[np.float32]:
     """The map (H, W) that the Regression Network shall give on a scene where it stands."""
+    dropped = scene.colliding & (not settings.colliding)
     return draw_target(
         scene.units.shape,  # type: ignore[arg-type]
         scene.pixels,
         scene.angles,
         scene.openings(opening),
-        scene.labels,
+        np.where(dropped, np.float32(np.nan), scene.labels),
         rectangle=settings.rectangle,
         least=settings.least,
         overlap=settings.overlap,
@@ -153,7 +157,8 @@ class RegressionTask:
         """Measures over scenes that have a grasp of quality 1, each seen with its own fixed noise.
 
         `hit` is the paper's. It soon saturates, so `skill` (1 less the squared error over that of an empty map) chooses
-        the epoch; `region`, the mean label of the grasps within that radius of the best pixel, compares settings.
+        the epoch; `region`, the mean label of the grasps within that radius of the best pixel that do not always
+        collide, compares settings: it is what planning meets there.
         """
         self.network.eval()
         seeds = np.random.SeedSequence([self._settings.schedule.seed, 1]).spawn(len(scenes))
@@ -166,7 +171,7 @@ class RegressionTask:
                 quality = self._maps(torch.from_numpy(heights)[None, None])[0, 0].cpu().numpy()
                 radius = scene.camera.intrinsics.fx * self._opening / 3 / float(scene.camera.pose[2, 3])
                 hits.append(regression_hit(quality, scene.perfect, radius))
-                near = np.hypot(*(scene.pixels - best_pixel(quality)).T) <= radius
+                near = (np.hypot(*(scene.pixels - best_pixel(quality)).T) <= radius) & ~scene.colliding
                 regions.append(float(scene.labels[near].mean()) if near.any() else 0.0)
                 errors.append(float(np.mean((quality - target) ** 2)))
                 powers.append(float(np.mean(target**2)))

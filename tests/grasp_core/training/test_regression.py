@@ -39,6 +39,15 @@ def test_example_shows_heights_and_the_target_on_the_object(toys: Toys) -> None:
     assert np.median(heights) == pytest.approx(0.0, abs=1e-3)
 
 
+def test_always_colliding_grasps_are_drawn_unless_told_otherwise(toys: Toys) -> None:
+    scene = toys(0, 1)[0]
+    all_of_them = msgspec.structs.replace(SETTINGS, overlap="mean")
+    some = msgspec.structs.replace(all_of_them, colliding=False)
+    assert scene.colliding.any()
+    drawn, less = scene_target(scene, all_of_them, 0.1), scene_target(scene, some, 0.1)
+    assert (less >= drawn - 1e-6).all() and less.sum() > 1.1 * drawn.sum()  # they are failures
+
+
 def test_the_moved_target_is_the_target_of_the_moved_grasps(toys: Toys) -> None:
     scene = toys(0, 1)[0]
     smooth = msgspec.structs.replace(SETTINGS, blur=8.0)
