@@ -19,11 +19,14 @@ class ExhaustiveSettings(SearchSettings):
     Attributes:
         stride: between places, canvas pixels, along rows and columns.
         angles: tried at each place, evenly spread over half a turn.
+        prune: whether grasps that the gripper cannot reach are dropped before they are scored, as the cascade does. A
+            search that knows nothing but the network scores them all and drops them afterwards.
     """
 
     threshold: float = 0.5
     stride: int = 4
     angles: int = 18
+    prune: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -31,7 +34,10 @@ class ExhaustiveSettings(SearchSettings):
 
 
 class ExhaustivePlanner(NetworkPlanner[ExhaustiveSettings]):
-    """See `Planner`; nothing here is random, and a budget ends the search with the chunk that would overrun it."""
+    """See `Planner`; nothing here is random, and a budget ends the search before the chunk that would overrun it.
+
+    Grasps that the gripper cannot reach have the score 0.
+    """
 
     settings_type = ExhaustiveSettings
 
@@ -44,12 +50,14 @@ class ExhaustivePlanner(NetworkPlanner[ExhaustiveSettings]):
             u, v = u[on_grid].astype(float), v[on_grid].astype(float)
             angles = np.arange(s.angles) * np.pi / s.angles - np.pi / 2
             batch = make_batch(view, np.repeat(u, s.angles), np.repeat(v, s.angles), np.tile(angles, len(u)))
-            tried = len(batch)
-            batch = batch[reachable(batch, view, self.gripper)]
+            free = reachable(batch, view, self.gripper)
+        sampled = np.column_stack([u, v])
+        if not free.any():
+            none = f"fingers or rod would meet what is seen, or what it hides, in all {len(batch)} grasps of the grid"
+            return Found(batch[free], np.zeros(0), none, sampled)
+        if s.prune:
+            batch, free = batch[free], free[free]
         scores = self.judge(batch, view, stages, _CHUNK)
-        none = (
-            f"the time was over before any of {len(batch)} grasps was scored"
-            if len(batch)
-            else f"fingers or rod would meet what is seen, or what it hides, in all {tried} grasps of the grid"
-        )
-        return Found(batch[: len(scores)], scores, none, np.column_stack([u, v]))
+        scores[~free[: len(scores)]] = 0
+        none = f"the time was over before any of {len(batch)} grasps was scored"
+        return Found(batch[: len(scores)], scores, none, sampled)
