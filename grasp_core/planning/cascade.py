@@ -23,6 +23,14 @@ from grasp_core.planning.view import TableView
 
 _CHUNK = 16
 """Crops that are scored at once when time is limited."""
+_NEIGHBOURS = 8
+"""Grasps drawn around each of the best ones."""
+_TRIES = 3
+"""Times as many are drawn, since the gripper does not reach all of them."""
+_NEAR_PIXELS = 3.0
+"""Canvas pixels, 4 mm: standard deviation of the draw along u and v; about that of executed poses."""
+_NEAR_ANGLE = 0.14
+"""Rad, 8 degrees: standard deviation of the draw of angles; samples are up to 15 degrees apart."""
 
 
 class CascadeSettings(SearchSettings):
@@ -32,6 +40,7 @@ class CascadeSettings(SearchSettings):
         pixels: m, sampled in a region.
         angles: tried at each pixel, evenly spread over half a turn.
         scored: grasps that the Refined Network judges in a region, of those that the gripper can reach.
+        polished: further grasps that it judges, drawn around the best ones of the region; 0 draws none.
         radius: R_i, in gripper openings.
         regions: batches that are judged at most, each in the next best region.
         enough: distinct candidates above t after which no further region is tried.
@@ -41,6 +50,7 @@ class CascadeSettings(SearchSettings):
     pixels: int = 64
     angles: int = 12
     scored: int = 64
+    polished: int = 64
     radius: float = 1 / 3
     regions: int = 4
     enough: int = 5
@@ -48,6 +58,8 @@ class CascadeSettings(SearchSettings):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.need_above_0("pixels", "angles", "scored", "radius", "regions", "enough")
+        if self.polished < 0:
+            raise ValueError(f"polished must be at least 0, not {self.polished}")
 
 
 class CascadePlanner(NetworkPlanner[CascadeSettings]):
@@ -63,19 +75,27 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
                 seen = regression_input(view.depth[view.core])
                 search.heat[view.core] = self.runtime.quality_map(seen[None])[0]
         for batch in self._regions(search, stages, rng):
-            scores = self.judge(batch, view, stages, _CHUNK if stages.limited else len(batch))
-            search.batches.append(batch[: len(scores)])
-            search.scores.append(scores)
+            scores = self._judge(search, batch, stages)
+            with stages.stage("candidates"):
+                around = self._around(search, batch[: len(scores)], scores, rng)
+            self._judge(search, around, stages)
             if self._enough(search):
                 break
         batch, scores = search.scored
         none = (
             f"fingers or rod would meet what is seen, or what it hides, in all {search.tried} sampled grasps"
-            if search.tried and not search.batches
+            if search.tried and not search.regions
             else "the time was over before any grasp was scored"
         )
         sampled = np.concatenate([*search.sampled, np.zeros((0, 2))])
         return Found(batch, scores, none, sampled, search.heat, search.region)
+
+    def _judge(self, search: _Search, batch: Batch, stages: Stages) -> NDArray[np.float32]:
+        """Score a batch as far as there is time and keep it with its scores."""
+        scores = self.judge(batch, search.view, stages, _CHUNK if stages.limited else max(len(batch), 1))
+        search.batches.append(batch[: len(scores)])
+        search.scores.append(scores)
+        return scores
 
     def _regions(self, search: _Search, stages: Stages, rng: np.random.Generator) -> Iterator[Batch]:
         """What to score in the best region, then in the next best, and so on, while there is time.
@@ -87,7 +107,7 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
         radius = s.radius * self.gripper.opening * search.view.camera.intrinsics.fx / search.view.camera.pose[2, 3]
         for _ in range(s.regions):
             left = search.view.places.copy()
-            while len(search.batches) < s.regions and stages.allows(0):
+            while search.regions < s.regions and stages.allows(0):
                 with stages.stage("candidates"):
                     found = best_region(search.heat, left, radius)
                     if found is None:
@@ -98,8 +118,9 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
                 if len(batch) or search.region is None:
                     search.region = (u, v, radius)
                 if len(batch):
+                    search.regions += 1
                     yield batch
-            if not search.batches:
+            if not search.regions:
                 return
 
     def _sample(self, search: _Search, region: NDArray[np.bool_], rng: np.random.Generator) -> Batch:
@@ -114,6 +135,19 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
         turn = np.where(free, np.cumsum(free, axis=1), s.angles + 1).reshape(-1)
         first = np.argsort(turn, kind="stable")[: s.scored]
         return batch[first[turn[first] <= s.angles]]
+
+    def _around(self, search: _Search, batch: Batch, scores: NDArray[np.float32], rng: np.random.Generator) -> Batch:
+        """Reachable grasps near the best ones: the best of a few dozen at random angles is seldom the best there is."""
+        count = self.settings.polished
+        best = np.argsort(-scores, kind="stable")[: max(1, count // _NEIGHBOURS)]
+        best = np.repeat(best[: len(batch)], _TRIES * _NEIGHBOURS if count else 0)
+        rng.shuffle(best)
+        height, width = search.view.places.shape
+        u = np.clip(batch.u[best] + rng.normal(0, _NEAR_PIXELS, len(best)), 0, width - 1)
+        v = np.clip(batch.v[best] + rng.normal(0, _NEAR_PIXELS, len(best)), 0, height - 1)
+        on = search.view.places[np.rint(v).astype(int), np.rint(u).astype(int)]
+        near = make_batch(search.view, u[on], v[on], (batch.angle[best] + rng.normal(0, _NEAR_ANGLE, len(best)))[on])
+        return near[np.flatnonzero(reachable(near, search.view, self.gripper))[:count]]
 
     def _enough(self, search: _Search) -> bool:
         """Whether as many distinct candidates are above t as end the search."""
@@ -135,6 +169,7 @@ class _Search:
         self.batches: list[Batch] = []
         self.scores: list[NDArray[np.float32]] = []
         self.tried = 0
+        self.regions = 0
 
     @property
     def scored(self) -> tuple[Batch, NDArray[np.float32]]:

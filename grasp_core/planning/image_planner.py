@@ -166,7 +166,7 @@ class NetworkPlanner(ImagePlanner[S]):
     @classmethod
     def make(cls, settings: S, gripper: Gripper, *, weights: str | Path, runtime: Runtime | None) -> Self:
         """The planner, with weights loaded unless there is a runtime."""
-        return cls(runtime or load_runtime(weights), gripper, settings)
+        return cls(runtime or load_runtime(weights, precision="auto"), gripper, settings)
 
     def judge(self, batch: Batch, view: TableView, stages: Stages, chunk: int) -> NDArray[np.float32]:
         """P(class 1) (M,) of the first M of a batch: all of them, or when time runs out those of the chunks till then.
