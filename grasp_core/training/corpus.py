@@ -77,7 +77,7 @@ def load_corpus(path: str | Path, views: Views, *, seed: int = 0, progress: bool
         "dataset": meta.name,
         "recipe": meta.recipe_digest,
         "objects": len({scene.object for scene in found["train"]}),
-        "scenes": len({scene.name.split("/")[0] for scene in found["train"]}),
+        "scenes": len({scene.stored for scene in found["train"]}),
         "images": len(found["train"]),
         "grasps": sum(len(scene.labels) for scene in found["train"]),
     }
