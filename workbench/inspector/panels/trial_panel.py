@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from workbench.actions import Judge, ReplayAttempt, Seek, Select, SelectNext, Speed, Step, TogglePlay
-from workbench.bridge import Bridge, Reader, put, sentence, text
-from workbench.orders import Judgement
-from workbench.reducers import SPEEDS
-from workbench.state import State
-from workbench.views import colours
+from workbench import colours
+from workbench.bridge import Bridge, Reader
+from workbench.casting import put, sentence, text
+from workbench.inspector.actions import Judge, ReplayAttempt, Seek, Select, SelectNext, Speed, Step, TogglePlay
+from workbench.inspector.orders import Judgement
+from workbench.inspector.reducers import SPEEDS
+from workbench.inspector.state import State
 
 _TO_START = (
     '<svg width="11" height="11" viewBox="0 0 11 11" fill="currentColor"><path d="M1 1h2v9H1zM10 1v9L4 5.5z"/></svg>'

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from grasp_core.errors import GraspError
-from workbench.orders import SceneRequest
-from workbench.workshop import open_scene, prepare, record_attempt, run_trial
+from workbench.inspector.orders import SceneRequest
+from workbench.inspector.workshop import open_scene, prepare, record_attempt, run_trial
 
 REQUEST = SceneRequest("can", 0, 0, 1, "antipodal")
 

@@ -1,9 +1,9 @@
 from dataclasses import replace
 
-from workbench.actions import Select
 from workbench.bridge import read_message
-from workbench.panels.candidates_panel import READERS, CandidatesPanel, listing, selection, stages
-from workbench.state import TrialState
+from workbench.inspector.actions import Select
+from workbench.inspector.panels.candidates_panel import READERS, CandidatesPanel, listing, selection, stages
+from workbench.inspector.state import TrialState
 
 
 def test_the_list_is_in_the_plan_s_order_with_its_numbers(shown, bridge):

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from workbench import actions as a
-from workbench.state import Playback, State, TrialState
+from workbench.actions import Action, Effect, Notice, Tick
+from workbench.inspector import actions as a
+from workbench.inspector.state import Playback, State, TrialState
+from workbench.session import FRAME
 
 _SHAPES = 900
 """Shapes of a family that random scenes draw from; later seeds are for benchmarks only."""
 SPEEDS = (0.25, 0.5, 1.0, 2.0)
 """How fast replays may run, times real time."""
-FRAME = 1 / 30
-"""Seconds between two shown frames."""
 
-Result = tuple[State, tuple[a.Effect, ...]]
+Result = tuple[State, tuple[Effect, ...]]
 
 
 @singledispatch
@@ -27,18 +27,13 @@ def _apply(action: Any, state: State) -> Result:
     raise TypeError(f"no reducer for {type(action).__name__}")
 
 
-def reduce(state: State, action: a.Action) -> Result:
+def reduce(state: State, action: Action) -> Result:
     """The next state and what has to be done; actions that no longer fit (late answers) change nothing."""
     return _apply(action, state)
 
 
 def _rule(kind: type) -> Callable[[Callable[[Any, State], Result]], Callable[[Any, State], Result]]:
     return _apply.register(kind)
-
-
-@_rule(a.Notice)
-def _notice(action: a.Notice, state: State) -> Result:
-    return state, (action,)
 
 
 def _open(state: State, **changes: Any) -> Result:
@@ -70,9 +65,7 @@ def _another_object(action: a.AnotherObject, state: State) -> Result:
 @_rule(a.AnotherPose)
 def _another_pose(action: a.AnotherPose, state: State) -> Result:
     if state.scene is not None and state.scene.poses == 1 and not state.opening:
-        told = a.Notice(
-            "info", "Only one stable pose", f"A {state.request.family} of this shape rests in one way only."
-        )
+        told = Notice("info", "Only one stable pose", f"A {state.request.family} of this shape rests in one way only.")
         return state, (told,)
     return _open(state, pose=state.request.pose + 1)
 
@@ -119,7 +112,7 @@ def _open_failed(action: a.OpenFailed, state: State) -> Result:
         return state, ()
     if action.ticket != state.ticket:
         return _make(state)
-    told = a.Notice("error", "This scene could not be made", action.reason)
+    told = Notice("error", "This scene could not be made", action.reason)
     return replace(state, making=None, failure=action.reason), (told,)
 
 
@@ -157,14 +150,14 @@ def _show_attempt(state: State, number: int) -> Result:
         return replace(state, playback=replace(playback, position=0.0, playing=True, at=None), waiting=None), ()
     if state.trying:
         return replace(state, waiting=number), ()
-    wanted: list[a.Effect] = [a.RecordAttempt(state.scene_ticket, state.scene, state.selected, number)]
+    wanted: list[Effect] = [a.RecordAttempt(state.scene_ticket, state.scene, state.selected, number)]
     if not trial.complete:
         wanted.append(a.RunTrial(state.scene_ticket, state.scene, state.selected))
     running = state.with_trial(state.selected, replace(trial, running=True, failed=None))
     return replace(running, waiting=None), tuple(wanted)
 
 
-def _next_waiting(state: State, *effects: a.Effect) -> Result:
+def _next_waiting(state: State, *effects: Effect) -> Result:
     if state.waiting is None or state.selected is None or state.trying:
         return state, effects
     state, more = _show_attempt(state, state.waiting)
@@ -197,7 +190,7 @@ def _trial_failed(action: a.TrialFailed, state: State) -> Result:
     trial = state.trials.get(action.index, TrialState())
     if action.ticket != state.scene_ticket or not trial.running:
         return state, ()  # told already: a trial is two jobs
-    told = a.Notice("error", "The trial did not run", action.reason)
+    told = Notice("error", "The trial did not run", action.reason)
     return _next_waiting(state.with_trial(action.index, replace(trial, running=False, failed=action.reason)), told)
 
 
@@ -231,8 +224,8 @@ def _speed(action: a.Speed, state: State) -> Result:
     return (replace(state, speed=action.factor), ()) if action.factor in SPEEDS else (state, ())
 
 
-@_rule(a.Tick)
-def _tick(action: a.Tick, state: State) -> Result:
+@_rule(Tick)
+def _tick(action: Tick, state: State) -> Result:
     playback = state.playback
     if playback is None or not playback.playing:
         return state, ()
@@ -250,7 +243,7 @@ def _judge(action: a.Judge, state: State) -> Result:
     if state.scene is None or state.selected is None or state.judging:
         return state, ()
     if state.trial.running:
-        told = a.Notice("info", "The trial is still running", "Judge the grasp when all attempts are in.")
+        told = Notice("info", "The trial is still running", "Judge the grasp when all attempts are in.")
         return state, (told,)
     attempts = tuple(state.trial.attempts[number] for number in sorted(state.trial.attempts))
     store = a.StoreVerdict(state.scene_ticket, state.scene, state.selected, action.judgement, attempts)
@@ -266,7 +259,7 @@ def _judged(action: a.Judged, state: State) -> Result:
 
 @_rule(a.JudgeFailed)
 def _judge_failed(action: a.JudgeFailed, state: State) -> Result:
-    told = a.Notice("error", "The verdict was not stored", action.reason)
+    told = Notice("error", "The verdict was not stored", action.reason)
     return (replace(state, judging=False) if action.ticket == state.scene_ticket else state), (told,)
 
 

@@ -19,7 +19,7 @@ from grasp_core.gripper import load_gripper
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.scene import Scene, place
 from grasp_core.simulation.physics import load_physics
-from workbench.orders import OpenedScene, SceneRequest, Try
+from workbench.inspector.orders import OpenedScene, SceneRequest, Try
 
 if TYPE_CHECKING:
     from grasp_core.planning.planner import Planner

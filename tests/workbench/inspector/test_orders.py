@@ -1,6 +1,6 @@
 import pickle
 
-from workbench.orders import LAYERS, SceneRequest
+from workbench.inspector.orders import LAYERS, SceneRequest
 
 
 def test_scenes_and_attempts_travel_between_processes(opened, attempt):

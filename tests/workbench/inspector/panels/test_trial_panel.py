@@ -2,10 +2,10 @@ from dataclasses import replace
 
 import pytest
 
-from workbench import actions as a
 from workbench.bridge import read_message
-from workbench.panels.trial_panel import READERS, TrialPanel, player, verdict, verdict_of_physics
-from workbench.state import Playback, TrialState
+from workbench.inspector import actions as a
+from workbench.inspector.panels.trial_panel import READERS, TrialPanel, player, verdict, verdict_of_physics
+from workbench.inspector.state import Playback, TrialState
 
 
 @pytest.fixture

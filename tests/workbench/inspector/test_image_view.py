@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from grasp_core.gripper import load_gripper
-from workbench.views.image_view import data_url, depth_view, quality_view, rectangles, window
+from workbench.inspector.image_view import data_url, depth_view, quality_view, rectangles, window
 
 
 def test_pictures_survive_the_way_into_the_page():

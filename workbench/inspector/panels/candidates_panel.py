@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from workbench.actions import Select
-from workbench.bridge import Bridge, Reader, put, text
-from workbench.state import State
-from workbench.views import colours
+from workbench import colours
+from workbench.bridge import Bridge, Reader
+from workbench.casting import put, text
+from workbench.inspector.actions import Select
+from workbench.inspector.state import State
 
 READERS: dict[str, Reader] = {"select": lambda argument: Select(int(argument))}
 

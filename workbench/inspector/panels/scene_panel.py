@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-import secrets
-from importlib import resources
-
-from workbench.actions import Action, AnotherObject, AnotherPose, RandomScene, ShowObject, Toggle, UsePlanner
-from workbench.bridge import Bridge, Reader, put, sentence, text
-from workbench.orders import LAYERS, Catalogue
-from workbench.state import State
-
-
-def style() -> str:
-    """The style sheet of everything that this app shows, as HTML."""
-    return f"<style>{(resources.files('workbench') / 'assets' / 'workbench.css').read_text()}</style>"
-
-
-def _draw() -> int:
-    return secrets.randbelow(2**31 - 1)
+from workbench.actions import Action
+from workbench.bridge import Bridge, Reader
+from workbench.casting import put, sentence, text
+from workbench.inspector.actions import AnotherObject, AnotherPose, RandomScene, ShowObject, Toggle, UsePlanner
+from workbench.inspector.draws import draw
+from workbench.inspector.orders import LAYERS, Catalogue
+from workbench.inspector.state import State
 
 
 def _layer(argument: str) -> Action:
@@ -28,10 +19,10 @@ def _layer(argument: str) -> Action:
 
 
 READERS: dict[str, Reader] = {
-    "object": lambda argument: AnotherObject(_draw()),
+    "object": lambda argument: AnotherObject(draw()),
     "pose": lambda argument: AnotherPose(),
     "show": _layer,
-    "random": lambda argument: RandomScene(_draw()),
+    "random": lambda argument: RandomScene(draw()),
 }
 
 
@@ -99,9 +90,9 @@ class ScenePanel:
         self._planner = bridge.dropdown(
             "Planner", catalogue.planners, request.planner, UsePlanner, "What plans the grasps from the depth image"
         )
-        bridge.command("Another object", "O", lambda: AnotherObject(_draw()), "The next family, a new shape")
+        bridge.command("Another object", "O", lambda: AnotherObject(draw()), "The next family, a new shape")
         bridge.command("Another pose", "P", AnotherPose, "The same object, resting in another way")
-        bridge.command("Random scene", "R", lambda: RandomScene(_draw()), "Any object, pose and place")
+        bridge.command("Random scene", "R", lambda: RandomScene(draw()), "Any object, pose and place")
         bridge.command("Show or hide the candidates", None, lambda: Toggle("candidates"), "The grippers in the scene")
 
     def update(self, old: State | None, new: State) -> None:

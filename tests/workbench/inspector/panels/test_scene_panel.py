@@ -2,13 +2,9 @@ import asyncio
 from dataclasses import replace
 from types import SimpleNamespace
 
-from workbench.actions import AnotherObject, AnotherPose, RandomScene, ShowObject, Toggle
 from workbench.bridge import read_message
-from workbench.panels.scene_panel import READERS, ScenePanel, facts, family_label, layers, style
-
-
-def test_the_style_sheet_is_there():
-    assert style().startswith("<style>") and ".gw-list" in style()
+from workbench.inspector.actions import AnotherObject, AnotherPose, RandomScene, ShowObject, Toggle
+from workbench.inspector.panels.scene_panel import READERS, ScenePanel, facts, family_label, layers
 
 
 def test_facts_say_what_is_shown(shown):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from grasp_core.gripper import Gripper
-from workbench.bridge import Bridge, put
-from workbench.state import State
-from workbench.views.image_view import depth_view, quality_view
+from workbench.bridge import Bridge
+from workbench.casting import put
+from workbench.inspector.image_view import depth_view, quality_view
+from workbench.inspector.state import State
 
 
 class ImagesPanel:

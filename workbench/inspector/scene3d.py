@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.simulation.recording import Recording
-from workbench.actions import Select
-from workbench.bridge import Bridge, plain, pose, put
-from workbench.orders import OpenedScene
-from workbench.state import Playback, State
-from workbench.views import colours
+from workbench import colours
+from workbench.bridge import Bridge
+from workbench.casting import plain, pose, put
+from workbench.inspector.actions import Select
+from workbench.inspector.orders import OpenedScene
+from workbench.inspector.state import Playback, State
 
 _GRIPPER_PARTS = ("left_finger", "right_finger", "rod", "base")
 _MOST_OBJECTS = 8
@@ -99,43 +100,59 @@ class Scene3d:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
-        scene.add_light_ambient("/light/all", color=(255, 255, 255), intensity=0.75)
+        scene.add_light_ambient(bridge.node("/light/all"), color=(255, 255, 255), intensity=0.75)
         scene.add_light_directional(
-            "/light/sun", color=(255, 250, 240), intensity=1.9, cast_shadow=True,
+            bridge.node("/light/sun"), color=(255, 250, 240), intensity=1.9, cast_shadow=True,
             wxyz=plain(tuple(viser.transforms.SO3.from_rpy_radians(0.45, 0.35, 0.0).wxyz)),
         )  # fmt: skip
-        scene.add_light_hemisphere("/light/sky", sky_color=(225, 235, 255), ground_color=(70, 66, 60), intensity=0.8)
+        scene.add_light_hemisphere(
+            bridge.node("/light/sky"), sky_color=(225, 235, 255), ground_color=(70, 66, 60), intensity=0.8
+        )
         scene.add_box(
-            "/table", color=colours.TABLE, dimensions=(0.9, 0.9, 0.02), position=(0, 0, -0.0105), cast_shadow=False
+            bridge.node("/table"),
+            color=colours.TABLE,
+            dimensions=(0.9, 0.9, 0.02),
+            position=(0, 0, -0.0105),
+            cast_shadow=False,
         )
         scene.add_grid(
-            "/grid", 0.9, 0.9, cell_size=0.05, section_size=0.1, cell_color=(74, 79, 86), section_color=(92, 98, 106),
+            bridge.node("/grid"), 0.9, 0.9, cell_size=0.05, section_size=0.1, cell_color=(74, 79, 86), section_color=(92, 98, 106),
             cell_thickness=0.6, section_thickness=1.0, position=(0, 0, 0.0003), fade_distance=100.0,
         )  # fmt: skip
         nothing = (np.zeros((3, 3), np.float32), np.array([[0, 1, 2]], np.uint32))
         self._objects = [
-            scene.add_mesh_simple(f"/objects/{slot}", *nothing, color=colours.OBJECT, visible=False, side="double")
+            scene.add_mesh_simple(
+                bridge.node(f"/objects/{slot}"), *nothing, color=colours.OBJECT, visible=False, side="double"
+            )
             for slot in range(_MOST_OBJECTS)
         ]
         self._parts = {}
         for name, (box, centre) in gripper.boxes().items():
             colour = colours.FINGER if "finger" in name else colours.FRAME
             self._parts[name] = scene.add_box(
-                f"/gripper/{name}", color=colour, dimensions=box.size, position=plain(tuple(centre)), visible=False
+                bridge.node(f"/gripper/{name}"),
+                color=colour,
+                dimensions=box.size,
+                position=plain(tuple(centre)),
+                visible=False,
             )
         small = fork(gripper)
         turns, places = batch([], None)
         self._forks = scene.add_batched_meshes_simple(
-            "/candidates", np.asarray(small.vertices, np.float32), np.asarray(small.faces, np.uint32), turns, places,
+            bridge.node("/candidates"), np.asarray(small.vertices, np.float32), np.asarray(small.faces, np.uint32), turns, places,
             batched_colors=np.array([[255, 255, 255]], np.uint8), lod="off", cast_shadow=False, receive_shadow=False,
             flat_shading=True,
         )  # fmt: skip
         bridge.clickable(self._forks, lambda: self._count, Select)
         self._forces = scene.add_line_segments(
-            "/contacts", points=np.zeros((1, 2, 3), np.float32), colors=colours.FORCE, thickness=0.0016, visible=False
+            bridge.node("/contacts"),
+            points=np.zeros((1, 2, 3), np.float32),
+            colors=colours.FORCE,
+            thickness=0.0016,
+            visible=False,
         )
         self._camera = scene.add_camera_frustum(
-            "/camera", fov=0.55, aspect=1.0, scale=0.05, thickness=0.0012, color=(150, 160, 172), visible=False,
+            bridge.node("/camera"), fov=0.55, aspect=1.0, scale=0.05, thickness=0.0012, color=(150, 160, 172), visible=False,
             image=np.zeros((2, 2, 3), np.uint8), cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
 

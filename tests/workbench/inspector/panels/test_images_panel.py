@@ -1,7 +1,7 @@
 from dataclasses import replace
 
 from grasp_core.gripper import load_gripper
-from workbench.panels.images_panel import ImagesPanel
+from workbench.inspector.panels.images_panel import ImagesPanel
 
 
 def test_pictures_are_sent_with_a_new_scene_only(bridge, client, state, shown, opened):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from workbench.views import colours
+from workbench import colours
 
 
 def test_scores_run_from_red_to_teal():

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from grasp_core.grasp import to_image
 from grasp_core.gripper import Gripper
-from workbench.orders import OpenedScene
-from workbench.views import colours
+from workbench import colours
+from workbench.inspector.orders import OpenedScene
 
 OnClick = Callable[[str], str]
 """`verb:argument` → an `onclick` attribute."""

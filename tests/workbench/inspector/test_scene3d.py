@@ -5,9 +5,9 @@ import pytest
 import trimesh
 
 from grasp_core.gripper import load_gripper
-from workbench.actions import Select
-from workbench.state import Playback
-from workbench.views.scene3d import Scene3d, batch, forces, fork, frame_at, shaded
+from workbench.inspector.actions import Select
+from workbench.inspector.scene3d import Scene3d, batch, forces, fork, frame_at, shaded
+from workbench.inspector.state import Playback
 
 
 def test_the_fork_is_as_wide_as_the_gripper_opens():

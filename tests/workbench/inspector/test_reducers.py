@@ -2,10 +2,11 @@ from dataclasses import replace
 
 import pytest
 
-from workbench import actions as a
-from workbench.orders import OpenedScene
-from workbench.reducers import FRAME, SPEEDS, reduce
-from workbench.state import TrialState
+from workbench import actions as shell
+from workbench.inspector import actions as a
+from workbench.inspector.orders import OpenedScene
+from workbench.inspector.reducers import FRAME, SPEEDS, reduce
+from workbench.inspector.state import TrialState
 
 
 def run(state, *steps):
@@ -20,9 +21,9 @@ def test_every_action_has_a_rule(state):
     kinds = [
         value
         for value in vars(a).values()
-        if isinstance(value, type) and issubclass(value, a.Action) and value is not a.Action
+        if isinstance(value, type) and issubclass(value, a.Action) and value not in (a.Action, a.InspectorAction)
     ]
-    from workbench.reducers import _apply
+    from workbench.inspector.reducers import _apply
 
     assert len(kinds) > 15
     assert not [kind.__name__ for kind in kinds if _apply.dispatch(kind) is _apply.dispatch(object)]
@@ -43,7 +44,7 @@ def test_another_pose_keeps_the_object(shown):
 def test_an_object_with_one_pose_says_so(shown):
     alone = replace(shown, scene=replace(shown.scene, poses=1))
     state, effects = run(alone, a.AnotherPose())
-    assert state is alone and isinstance(effects[0], a.Notice)
+    assert state is alone and isinstance(effects[0], shell.Notice)
 
 
 def test_random_scenes_follow_their_draw(shown):
@@ -147,29 +148,29 @@ def test_trials_run_one_at_a_time_and_the_last_choice_is_next(shown, attempt):
 def test_a_trial_that_fails_says_why_and_can_be_run_again(shown):
     state, effects = run(shown, a.Select(1), a.TrialFailed(0, 1, "the worker died"))
     assert state.trial == TrialState(failed="the worker died")
-    assert isinstance(effects[-1], a.Notice)
+    assert isinstance(effects[-1], shell.Notice)
     assert run(state, a.TrialFailed(0, 1, "the worker died")) == (state, []), "told once"
     assert run(state, a.Select(1))[0].trial.running
 
 
 def test_time_moves_the_replay_to_its_end_and_no_further(shown, attempt):
-    state, _ = run(shown, a.Select(0), a.Replayed(0, 0, attempt(0)), a.Tick(10.0), a.Tick(10.5))
+    state, _ = run(shown, a.Select(0), a.Replayed(0, 0, attempt(0)), shell.Tick(10.0), shell.Tick(10.5))
     assert state.playback.position == pytest.approx(0.5)
-    state, _ = run(state, a.Speed(0.5), a.Tick(11.5))
+    state, _ = run(state, a.Speed(0.5), shell.Tick(11.5))
     assert state.playback.position == pytest.approx(1.0)
-    state, _ = run(state, a.Tick(99.0))
+    state, _ = run(state, shell.Tick(99.0))
     assert state.playback.position == pytest.approx(2.0) and not state.playback.playing
     assert run(state, a.TogglePlay())[0].playback.position == 0, "play at the end starts over"
 
 
 def test_pausing_and_scrubbing(shown, attempt):
-    state, _ = run(shown, a.Select(0), a.Replayed(0, 0, attempt(0)), a.Tick(1.0), a.Tick(1.5), a.TogglePlay())
-    assert run(state, a.Tick(5.0))[0].playback.position == pytest.approx(0.5)
+    state, _ = run(shown, a.Select(0), a.Replayed(0, 0, attempt(0)), shell.Tick(1.0), shell.Tick(1.5), a.TogglePlay())
+    assert run(state, shell.Tick(5.0))[0].playback.position == pytest.approx(0.5)
     state, _ = run(state, a.Seek(1.25))
     assert (state.playback.position, state.playback.playing) == (1.25, False)
     assert run(state, a.Step(2))[0].playback.position == pytest.approx(1.25 + 2 * FRAME)
     assert run(state, a.Seek(99.0))[0].playback.position == pytest.approx(2.0)
-    assert run(shown, a.Seek(1.0), a.Step(1), a.TogglePlay(), a.Tick(1.0)) == (shown, [])
+    assert run(shown, a.Seek(1.0), a.Step(1), a.TogglePlay(), shell.Tick(1.0)) == (shown, [])
 
 
 def test_speeds_are_those_offered(shown):
@@ -179,7 +180,7 @@ def test_speeds_are_those_offered(shown):
 
 def test_a_verdict_is_stored_with_the_attempts(shown, attempt):
     state, _ = run(shown, a.Select(1), a.Replayed(0, 1, attempt(0)))
-    assert isinstance(run(state, a.Judge("good"))[1][0], a.Notice), "not while the trial runs"
+    assert isinstance(run(state, a.Judge("good"))[1][0], shell.Notice), "not while the trial runs"
     state, _ = run(state, a.Tried(0, 1, tuple(attempt(n) for n in range(5))))
     judging, effects = run(state, a.Judge("good"))
     assert isinstance(effects[0], a.StoreVerdict) and len(effects[0].attempts) == 5
@@ -194,11 +195,6 @@ def test_layers_and_neighbours(shown):
     assert "camera" not in state.shown and run(state, a.Toggle("camera"))[0].shown == shown.shown
     assert run(shown, a.SelectNext(1))[0].selected == 1
     assert run(shown, a.SelectNext(-1))[0].selected == 2
-
-
-def test_notices_pass_through(shown):
-    notice = a.Notice("info", "a", "b")
-    assert run(shown, notice) == (shown, [notice])
 
 
 def test_the_old_state_is_never_changed(shown, attempt):

@@ -6,9 +6,9 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable
 
-from workbench import workshop
+from workbench.inspector import workshop
+from workbench.inspector.orders import OpenedScene, SceneRequest
 from workbench.jobs import Jobs
-from workbench.orders import OpenedScene, SceneRequest
 
 MOST = 12
 """Scenes that are remembered."""

@@ -1,7 +1,7 @@
 from dataclasses import replace
 
-from workbench import scenes as module
-from workbench.scenes import Scenes
+from workbench.inspector import scenes as module
+from workbench.inspector.scenes import Scenes
 
 
 class Jobs:
