@@ -132,7 +132,7 @@ class Workbench:
                     due = again if due is None else min(due, again)
 
     def _perform(self, session: Session, effect: a.Effect) -> None:
-        if isinstance(effect, a.Notice | a.Download):
+        if isinstance(effect, a.Notice | a.Download | a.ShowKeys):
             log.info("nobody is there to take %s", type(effect).__name__)
         elif not any(view.perform(session.post, effect) for view in self._shell.views.values()):
             raise TypeError(f"nobody does {type(effect).__name__}")

@@ -81,6 +81,7 @@ class Bridge:
 
     Attributes:
         client: viser's handle.
+        hotkeys: (key, name, description) of each command that has one.
     """
 
     def __init__(self, client: viser.ClientHandle, post: Post, readers: Mapping[str, Reader]) -> None:
@@ -89,6 +90,7 @@ class Bridge:
         self._readers = readers
         self._section: Section | None = None
         self._limiter = Limiter(client)
+        self.hotkeys: list[tuple[str, str, str]] = []
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
         self._inbox.on_update(self._guard(lambda _: self._received(self._inbox.value)))
@@ -172,6 +174,10 @@ class Bridge:
     def onslide(self, verb: str, live: str = "") -> str:
         """Attributes for a range input that sends `verb:value` when let go; `live` is JavaScript for each movement."""
         return f'oninput="{live}" onchange="gwSend(\'{verb}:\'+this.value)"'
+
+    def onchoice(self, verb: str) -> str:
+        """An attribute for a select that sends `verb:value` when another option is chosen."""
+        return f"onchange=\"gwSend('{verb}:'+this.value)\""
 
     def loaded(self, expression: str) -> str:
         """HTML that sends the value of a JavaScript expression once it is on the page."""
@@ -300,6 +306,9 @@ class Bridge:
     def command(self, label: str, hotkey: str | None, action: Callable[[], Action], description: str) -> None:
         """An entry of the command palette (Ctrl+K), with a hotkey."""
         key: Any = hotkey
+        if hotkey is not None:
+            assert hotkey not in [taken for taken, _, _ in self.hotkeys], f"two commands have the key {hotkey}"
+            self.hotkeys.append((hotkey, label, description))
         command = self.client.gui.add_command(label, hotkey=key, description=description)
         command.on_trigger(self._guard(lambda _: self._post(action())))
 

@@ -201,6 +201,9 @@ class Client:
     def add_notification(self, title, body, **options):
         self.notices.append((title, body))
 
+    def add_modal(self, title):
+        return _Block()
+
     def atomic(self):
         return _Block()
 

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from grasp_core.camera import CANONICAL_HEIGHT
 from grasp_core.grasp import to_image
 from grasp_core.planning.crops import canvas_yaw
 from grasp_core.planning.planner import Plan
@@ -19,6 +20,11 @@ from workbench.inspector.orders import Choice, Place
 from workbench.inspector.state import State
 
 _MOST_DOTS = 600
+_STANDS = 0.008
+"""Metres above the table from which on something stands there."""
+_AROUND = 45
+"""Pixels shown round it."""
+_STEP = 60
 
 
 def data_url(picture: NDArray[np.uint8], *, quick: bool = False) -> str:
@@ -71,22 +77,22 @@ def rectangles(state: State, side: int, bridge: Bridge) -> str:
 
 
 def window(plan: Plan) -> tuple[int, int, int, int]:
-    """What of the canvas is shown: left, top, width, height in pixels, round what was sampled and what stands there.
+    """What of the canvas is shown: left, top, width, height in pixels: a square round all that stands on the table.
 
-    At least three fifths of 300 pixels, so that the surroundings stay in sight; all of it where nothing was sampled.
+    At least 300 pixels and in steps, so that it stands still while an object is dragged; all where nothing stands.
     """
-    height, width = plan.canvas.depth.shape
-    places = [to_image(candidate.grasp, plan.canvas.camera) for candidate in plan.candidates]
-    if not places:
+    image = plan.canvas
+    height, width = image.depth.shape
+    table = CANONICAL_HEIGHT if image.camera.world_from_camera is None else float(image.camera.pose[2, 3])
+    v, u = np.nonzero(image.valid & (image.depth < table - _STANDS))
+    if not len(u):
         return 0, 0, width, height
-    u, v = np.array([(place.u, place.v) for place in places]).T
-    reach = max(place.width for place in places) * 0.75
-    least = 180
-    side = float(np.clip(max(np.ptp(u), np.ptp(v)) + 2 * reach, least, max(width, height)))
+    (left, right), (top, bottom) = (np.percentile(axis, [0.5, 99.5]) for axis in (u, v))
+    side = _STEP * np.ceil(max(right - left, bottom - top, 300 - 2 * _AROUND) / _STEP) + 2 * _AROUND
     side_u, side_v = round(min(side, width)), round(min(side, height))
-    left = int(np.clip((u.min() + u.max()) / 2 - side_u / 2, 0, width - side_u))
-    top = int(np.clip((v.min() + v.max()) / 2 - side_v / 2, 0, height - side_v))
-    return left, top, side_u, side_v
+    start = int(np.clip(_STEP * round(((left + right) / 2 - side_u / 2) / _STEP), 0, width - side_u))
+    above = int(np.clip(_STEP * round(((top + bottom) / 2 - side_v / 2) / _STEP), 0, height - side_v))
+    return start, above, side_u, side_v
 
 
 def _dots(pixels: Iterable[Iterable[float]]) -> str:

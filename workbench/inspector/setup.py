@@ -150,7 +150,7 @@ FIELDS: dict[str, Number | Choice] = {
     "pixels": Number("m pixels", "", "Pixels sampled in the region", 1, 512, 1),
     "angles": Number("Angles", "", "Tried at each pixel, spread over half a turn", 1, 36, 1),
     "scored": Number("Scored", "", "Most grasps scored by the Refined Network", 1, 1024, 1),
-    "radius": Number("R region", "openings", "Radius of the region round the best place", 0.05, 3, 0.01),
+    "radius": Number("R_i", "openings", "Radius of the region round the best place", 0.05, 3, 0.01),
     "threshold": Number("t least", "", "Least score of a candidate", 0, 1, 0.01),
     "candidates": Number("n best", "", "Most candidates that are returned", 1, 100, 1),
     "gripper": Choice("Gripper", "Plans and executes; weights fit one only", _shipped("grippers"), "gripper, camera"),

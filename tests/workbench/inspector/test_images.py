@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from grasp_core.camera import Camera, DepthImage
 from workbench import colours
 from workbench.inspector import images
 from workbench.inspector.orders import Choice, Place
@@ -36,12 +37,17 @@ def test_no_quality_map_no_overlay(shown, bridge, make_scene):
     assert images.canvas(replace(shown, scene=make_scene(quality=False)), 0, bridge).count("<image") == 1
 
 
-def test_the_window_holds_all_candidates(shown, one_plan):
-    plan = shown.scene.sight.plans[0]
-    left, top, width, height = images.window(plan)
-    for candidate in plan.candidates:
-        assert left < candidate.image.u < left + width and top < candidate.image.v < top + height
-    assert images.window(one_plan(0)) == (0, 0, 300, 300)
+def test_the_window_holds_all_that_stands_on_the_table(shown, one_plan):
+    assert images.window(shown.scene.sight.plans[0]) == (0, 0, 300, 300)
+    large = one_plan()
+    k = msgspec.structs.replace(large.canvas.camera.intrinsics, width=900, height=700)
+    depth = np.full((700, 900), 0.7, np.float32)
+    depth[400:440, 500:620] = 0.65
+    image = DepthImage.from_array(depth, Camera(k, large.canvas.camera.pose))
+    left, top, width, height = images.window(replace(large, canvas=image))
+    assert left < 500 and left + width > 620 and top < 400 and top + height > 440 and width == height < 400
+    image.depth[:] = 0.7
+    assert images.window(replace(large, canvas=image)) == (0, 0, 900, 700)
 
 
 def test_candidates_take_the_colour_of_score_or_physics(shown, attempt):

@@ -81,3 +81,10 @@ def test_all_of_it_is_shown_in_every_state(inspector, bridge, client, shown, sta
         part.update(old, new)
         old = new
     assert len(client.made) == made, "handles are kept and updated in place"
+
+
+def test_no_hotkey_flies_the_camera_or_stands_twice(inspector, bridge, state):
+    with bridge.section("/inspect"):
+        inspector.show(bridge, state)
+    keys = [key for key, _, _ in bridge.hotkeys]
+    assert len(keys) == len(set(keys)) > 15 and not set(keys) & set("WASDQE")

@@ -145,7 +145,7 @@ def controls(state: State, bridge: Bridge) -> str:
         f'<input type="range" min="0" max="1" step="0.05" value="{picture.opacity:g}" aria-label="opacity" '
         f'{bridge.onslide("overlay", live)}></label><span class="gw-marks">{marks}</span></div>'
         f'<div class="gw-bar gw-small"><label class="gw-tight">depth<select aria-label="depth colours" '
-        f"onchange=\"gwSend('colours:'+this.value)\">{options}</select></label>{limits}</div>"
+        f"{bridge.onchoice('colours')}>{options}</select></label>{limits}</div>"
     )
 
 
@@ -216,7 +216,7 @@ class ImagesPanel:
             put(self._views, content=f'<div class="gw">{views(new, self._bridge)}{legend(new)}</div>')
         put(self._controls, content=f'<div class="gw">{controls(new, self._bridge)}</div>')
         if old is None or _in_detail(old) != _in_detail(new):
-            asked = "" if new.place is None else f'<div class="gw-words">{text(polar.words(new.place))}</div>'
+            asked = "" if new.place is None else f'<div class="gw-asked">{text(polar.words(new.place))}</div>'
             put(self._detail, content=f'<div class="gw">{detail(new)}{asked}</div>')
 
 

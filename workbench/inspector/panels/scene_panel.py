@@ -14,6 +14,7 @@ from workbench.inspector.state import LAYERS, Layer, State
 
 OWN = "(own or several)"
 """Stands in the dropdown of families where the scene is not one object of the catalogue."""
+_FACTS = "size; which stable pose, and the share of drops that end so; click: hold it with the gizmo"
 _LAYER_NAMES = {
     "candidates": ("grasps", "all candidates as small grippers"),
     "camera": ("camera", "the camera and what it sees"),
@@ -123,12 +124,12 @@ def facts(state: State, bridge: Bridge) -> str:
         elif rest.pose is None:
             how = "moved by hand"
         else:
-            how = f"pose {rest.pose + 1} of {len(rest.poses)} ({100 * rest.poses[rest.pose][1]:.0f} % of drops)"
+            how = f"pose {rest.pose + 1} of {len(rest.poses)}, {100 * rest.poses[rest.pose][1]:.0f} %"
         held = len(state.scene.scene.objects) > 1 and index == state.grabbed
         look = ' class="gw-held"' if held else ""
         lines.append(
-            f'<div{look} {bridge.onclick(f"grab:{index}")} title="the gizmo holds the marked one; click to change">'
-            f"<b>{text(placed.asset.name)}</b> · {size} cm · <small>{how}</small></div>"
+            f'<div{look} {bridge.onclick(f"grab:{index}")} title="{_FACTS}"><b>{text(placed.asset.name)}</b>'
+            f" · {size} cm · <small>{how}</small></div>"
         )
     return "".join(lines)
 

@@ -61,13 +61,14 @@ class SettingsPanel:
         for name, widget in self._widgets.items():
             put(widget, value=_shown(name, new.setup))
         other = differences(new.setup)
-        told = ", ".join(_label(FIELDS[name]) for name in other) or "all as shipped"
-        reset = self._bridge.button("As shipped", "reset:", hint="forget what was changed", off=not other)
-        put(
-            self._top,
-            content=f'<div class="gw"><div class="gw-bar gw-small"><small class="gw-grow">changed: {text(told)}</small>'
-            f"{reset}{self._bridge.button('Light or dark', 'theme:', hint='the theme (L)')}</div></div>",
+        told = "changed: " + ", ".join(_label(FIELDS[name]) for name in other) if other else "all as shipped"
+        buttons = (
+            self._bridge.button("As shipped", "reset:", hint="forget what was changed", off=not other),
+            self._bridge.button("Light or dark", "theme:", hint="the theme (L)"),
+            self._bridge.button("Keys", "keys:", hint="every hotkey (H)"),
         )
+        row = f'<div class="gw-bar gw-small">{"".join(buttons)}</div>'
+        put(self._top, content=f'<div class="gw">{row}<small>{text(told)}</small></div>')
 
 
 def _shown(name: str, setup: Setup) -> Any:

@@ -172,13 +172,11 @@ def player(state: State, bridge: Bridge) -> str:
             more=f'aria-pressed="{str(state.loop).lower()}"',
         ),
     )  # fmt: skip
-    speeds = (
-        bridge.button(
-            f"{factor:g}×", f"speed:{factor:g}", hint=f"{factor:g} times real time",
-            look="gw-on" if state.speed == factor else "",
-        )
+    speeds = "".join(
+        f'<option value="{factor:g}"{" selected" if factor == state.speed else ""}>{factor:g}×</option>'
         for factor in SPEEDS
-    )  # fmt: skip
+    )
+    speed = f'<select aria-label="speed" title="times real time" {bridge.onchoice("speed")}>{speeds}</select>'
     pinned = state.pinned is not None and playback is not None and state.pinned.attempt is playback.attempt
     label = "Unpin A" if pinned else "Pin as A" if state.pinned is None else "Pin as A instead"
     pin = bridge.button(label, "pin:", hint="keep this attempt to compare another one with it (C)", off=off)
@@ -187,8 +185,8 @@ def player(state: State, bridge: Bridge) -> str:
         f"{saving}Save as HTML", "save:", hint="the replay as one file that opens anywhere", off=off or state.saving
     )
     return (
-        f'<div class="gw-bar gw-small">{"".join(moves)}</div><div class="gw-bar gw-small gw-below">{"".join(speeds)}'
-        f'</div><div class="gw-bar gw-small gw-below">{pin}{save}</div>'
+        f'<div class="gw-bar gw-small">{"".join(moves)}{speed}</div>'
+        f'<div class="gw-bar gw-small gw-below">{pin}{save}</div>'
     )
 
 

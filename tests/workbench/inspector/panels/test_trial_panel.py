@@ -71,7 +71,7 @@ def test_two_attempts_side_by_side(tried, attempt):
 
 
 def test_the_player_is_off_without_a_replay(shown, tried, bridge):
-    assert player(shown, bridge).count("disabled") == 6 and player(tried, bridge).count("disabled") == 0
+    assert player(shown, bridge).count(" disabled") == 6 and player(tried, bridge).count("disabled") == 0
     assert 'data-playing="true"' in player(tried, bridge) and "4×" in player(tried, bridge)
     assert "gw-spin" in player(replace(tried, saving=True), bridge)
 
