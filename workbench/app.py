@@ -124,6 +124,7 @@ class Workbench:
                     effects, again = session.step(time.monotonic())
                     for effect in effects:
                         self._perform(session, effect)
+                    session.show()
                 except Exception as error:
                     log.exception("a step failed")
                     session.post(a.Notice("error", "Something went wrong here", f"{type(error).__name__}: {error}"))
