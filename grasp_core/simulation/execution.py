@@ -40,10 +40,10 @@ _CERTAIN = (
     (0.0005, math.radians(1.0), 3, math.inf, 0.00),
     (0.0050, math.radians(5.0), 5, math.inf, 0.12),
 )
-"""When the verdict on a lift is certain, any of: slower than so many m/s and rad/s relative to the gripper (means between
-two looks), for so many looks in a row, in a grip that uses less than this share of its friction, at least so many metres
-up. A grip near the limit of its friction may creep for 10 to 20 cm before it lets go: hence the slower the nearer to it.
-"""
+"""When the verdict on a lift is certain, any of: slower than so many m/s and rad/s relative to the gripper (means
+between two looks), for so many looks in a row, in a grip that uses less than this share of its friction, at least so
+many metres up. A grip near the limit of its friction may creep for 10 to 20 cm before it lets go: hence the slower the
+nearer to it."""
 _READ = 3
 """Looks between two readings of the contacts while the object moves in the gripper."""
 _CLEAR = 0.005

@@ -111,8 +111,8 @@ class World:
         """Start afresh with the objects at rest at these poses (4×4), whatever happened before.
 
         The detector's search tree remembers where bodies have been: the order of contacts follows from its shape, and
-        the solver's last bits, rarely even a verdict, from that order. A new detector starts with a tree that depends on
-        nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
+        the solver's last bits, rarely even a verdict, from that order. A new detector starts with a tree that depends
+        on nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
         """
         self.world.reset()
         if self.gripper is not None:
