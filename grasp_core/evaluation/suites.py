@@ -67,6 +67,8 @@ class Suite(config.Settings):
         split: of that recipe.
         installed: name of an installable set.
         hard: kind → number → least and greatest value; see `hard.KINDS`.
+        skip_folder: folder of the installed set whose files are left out, since recipes train on some of them.
+        first: so many names of the installed set are left out, since recipes train on some of them.
         most: objects of the installed set, evenly spread over its names, or of each kind; None takes the whole set.
         poses: stable poses an object, at most.
         draws: scenes a stable pose, each at another place and yaw.
@@ -78,6 +80,8 @@ class Suite(config.Settings):
     split: Split = "test"
     installed: str | None = None
     hard: dict[str, dict[str, Range]] | None = None
+    skip_folder: str = ""
+    first: int = 0
     most: int | None = None
     poses: int = 2
     draws: int = 1
@@ -148,7 +152,8 @@ def object_plans(name: str, scale: Scale, seed: int) -> Sequence[PlannedObject]:
     if suite.recipe is not None:
         return [plan for plan in plan_objects(load_recipe(suite.recipe)) if plan.split == suite.split]
     if suite.installed is not None:
-        names = list(set_files(suite.installed))
+        files = set_files(suite.installed).items()
+        names = [one for one, file in list(files)[suite.first :] if file.parent.name != suite.skip_folder]
         count = min(suite.most or len(names), len(names))
         return [SetPlan(names[index * len(names) // count]) for index in range(count)]
     if suite.hard is not None:

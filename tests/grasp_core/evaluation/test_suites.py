@@ -8,6 +8,7 @@ from grasp_core.errors import ConfigError, GraspError, MeshError
 from grasp_core.evaluation import cache, suites
 from grasp_core.evaluation.suites import Suite, object_plans, parse_scale, poses_of
 from grasp_core.objects.parametric import FAMILIES, make
+from grasp_core.objects.sets import SETS
 from grasp_core.simulation.physics import load_physics
 
 
@@ -85,7 +86,8 @@ def test_shipped_suites_name_objects_that_exist(name):
     except MeshError as error:
         pytest.skip(str(error))
     assert len({plan.name for plan in plans}) == len(plans) > 0
-    assert all(plan.family in FAMILIES for plan in plans if isinstance(plan, ObjectPlan) and not plan.file)
+    known = {*FAMILIES, *SETS}
+    assert all(plan.family in known for plan in plans if isinstance(plan, ObjectPlan) and not plan.file)
 
 
 def test_the_test_suite_has_three_hundred_scenes_and_no_object_that_a_recipe_trains_or_validates_on():
@@ -99,13 +101,26 @@ def test_the_test_suite_has_three_hundred_scenes_and_no_object_that_a_recipe_tra
         assert not seen & {plan.name for plan in plans}
 
 
-def test_an_installed_set_is_spread_evenly(monkeypatch):
+def test_an_installed_set_is_spread_evenly_over_what_recipes_leave(tmp_path, monkeypatch):
     from pathlib import Path
 
-    monkeypatch.setattr(suites, "set_files", lambda name: {f"{name}_{k}": Path(f"{k}.stl") for k in range(10)})
-    assert [plan.name for plan in object_plans("random", "keep", 0)] == [f"random_urdfs_{k}" for k in range(10)]
-    path = config.locate("benchmarks", "random")
-    assert config.load("benchmarks", path, Suite).most == 150
+    files = {f"x_{k}": Path(("train" if k % 2 else "test") + f"/{k}.stl") for k in range(20)}
+    monkeypatch.setattr(suites, "set_files", lambda name: files)
+    path = tmp_path / "mine.yaml"
+    path.write_text("about: mine\ninstalled: rgb\nfirst: 4\nskip_folder: train\nmost: 4\n")
+    assert [plan.name for plan in object_plans(str(path), "keep", 0)] == ["x_4", "x_8", "x_12", "x_16"]
+
+
+@pytest.mark.parametrize("name", ["test", "rgb", "random", "hard", "catalogue"])
+def test_no_suite_holds_an_object_that_the_default_weights_were_trained_or_chosen_on(name):
+    from grasp_core.dataset.recipe import load_recipe, plan_objects
+
+    try:
+        plans = object_plans(name, "keep", 0)
+        seen = {plan.name for plan in plan_objects(load_recipe("default")) if plan.split != "test"}
+    except MeshError as error:
+        pytest.skip(str(error))
+    assert not seen & {plan.name for plan in plans} and seen
 
 
 def test_a_hard_suite_needs_a_count(tmp_path):
