@@ -21,8 +21,8 @@ READERS: dict[str, Reader] = {
     "theme": lambda argument: ToggleTheme(),
     "keys": lambda argument: ShowKeys(),
 }
-_ARRIVED = "location.search.slice(1)"
-"""JavaScript: the query that the page was loaded with."""
+_ARRIVED = "location.search.slice(1).replace(/[^A-Za-z0-9_.,;:=&%+~!*'()-]/g,c=>encodeURIComponent(c)).slice(0,4000)"
+"""JavaScript: the query that the page was loaded with, in characters that messages may have."""
 
 
 def style() -> str:

@@ -1,7 +1,9 @@
+import io
 import os
 import signal
 import time
 
+import numpy as np
 import pytest
 
 from grasp_core.dataset.store import DatasetStore
@@ -9,6 +11,7 @@ from workbench import actions as shell
 from workbench.app import Workbench
 from workbench.inspector import actions as a
 from workbench.inspector.orders import Choice, SceneRequest, Thing
+from workbench.inspector.poses import vector
 
 FIRST = SceneRequest((Thing("can_000"),), 1)
 BEST = Choice(0, 0)
@@ -110,3 +113,50 @@ def test_a_worker_that_dies_is_reported_and_replaced(workbench, browser):
 def test_an_effect_that_nobody_does_is_an_error(workbench, browser):
     with pytest.raises(TypeError):
         workbench._perform(browser[0], shell.Effect())
+
+
+def test_plans_follow_a_drag_and_the_object_settles(browser):
+    session, screen = browser
+    start = screen.state.scene.scene.objects[0].world_from_object
+    for step in range(1, 6):
+        moved = start.copy()
+        moved[:3, 3] += [0.01 * step, 0, 0.004 * step]
+        session.post(a.Drag(vector(moved), step == 5, time.monotonic()))
+        time.sleep(0.05)
+    wait(lambda: not screen.state.opening and screen.state.scene.request.things[0].loose, "the last place")
+    assert screen.state.live is not None and screen.state.live.latency_ms > 0
+    assert screen.state.scene.scene.objects[0].world_from_object == pytest.approx(moved, abs=1e-4)
+    session.post(a.Settle())
+    wait(lambda: not screen.state.loose and not screen.state.opening, "the rest")
+    assert screen.state.scene.scene.objects[0].world_from_object[2, 3] < moved[2, 3] - 0.01
+
+
+def test_one_place_is_scored_over_all_angles(browser):
+    session, screen = browser
+    session.post(a.AskPlace(150.0, 150.0))
+    wait(lambda: screen.state.place is not None and screen.state.place.scores is not None, "the scores")
+    assert len(screen.state.place.scores.candidates) == 36
+
+
+def test_an_uploaded_image_is_read_by_the_worker(browser):
+    session, screen = browser
+    content = io.BytesIO()
+    np.save(content, screen.state.scene.sight.clean.depth)
+    session.post(a.ReadPhotosWith("canonical", None, 0.0))
+    session.post(a.OpenFile("image", "bad.npy", b"no array"))
+    wait(lambda: screen.state.failure is not None, "the refusal")
+    assert "bad.npy" in screen.state.failure
+    session.post(a.OpenFile("image", "can.npy", content.getvalue()))
+    wait(lambda: screen.state.failure is None and not screen.state.opening, "the image")
+    assert screen.state.scene.request.photo is not None and screen.state.candidates
+
+
+def test_all_candidates_are_tried_until_the_job_is_cancelled(browser):
+    session, screen = browser
+    session.post(a.Change("threshold", 0.0))
+    wait(lambda: not screen.state.opening and len(screen.state.candidates) > 3, "more candidates")
+    session.post(a.TryAll())
+    wait(lambda: any(trial.complete for trial in screen.state.trials.values()), "the first trial")
+    session.post(a.StopTrying())
+    wait(lambda: not screen.state.trying, "the end of the trial under way")
+    assert screen.state.sweep is None and len(screen.state.trials) < len(screen.state.candidates)

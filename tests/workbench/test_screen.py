@@ -61,6 +61,10 @@ def test_the_theme_follows(client, shell, screen):
     assert 'data-theme="light"' in client.page()
 
 
+def test_the_query_of_the_page_is_sent_once_it_is_loaded(client, screen):
+    assert "arrive:" in client.page() and "encodeURIComponent" in client.page()
+
+
 def test_the_address_is_escaped():
     page = address('view=count&value="><script>')
     assert "<script>" not in page and "&quot;&gt;" in page

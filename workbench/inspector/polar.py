@@ -61,7 +61,7 @@ def words(place: Place) -> str:
     scores = place.scores
     if scores is None:
         return told
-    told = f"Depth {depth}, {1000 * scores.height:.0f} mm above the table, heat {place.heat:.2f}."
+    told = f"Depth {depth}, {round(1000 * scores.height)} mm above the table, heat {place.heat:.2f}."
     blocked = int((~scores.reachable).sum())
     if scores.best is None:
         return f"{told} The gripper reaches it at no angle: fingers or rod would meet what is seen."
