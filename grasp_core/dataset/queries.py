@@ -6,7 +6,7 @@ Pages are by key, not by offset: a page starts behind the last row of the one be
 from __future__ import annotations
 
 import re
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import msgspec
 
@@ -15,18 +15,10 @@ from grasp_core.dataset.curation import Curation
 from grasp_core.dataset.rows import SPLITS, GraspRow, Split
 from grasp_core.errors import StoreError
 
-Sort = Literal["id", "quality", "label", "score", "heat", "gap", "spread", "changed"]
+Sort = Literal["id", "quality", "label", "score", "heat", "gap", "mistake", "networks", "dissent", "spread", "changed"]
 
-_COLUMNS: dict[str, str] = {
-    "id": "samples.grasp",
-    "quality": "samples.quality",
-    "label": "samples.label",
-    "score": "samples.score",
-    "heat": "samples.heat",
-    "gap": "samples.gap",
-    "spread": "(samples.quality * (1 - samples.quality))",
-    "changed": "samples.last_event",
-}
+RANGES = ("quality", "label", "score", "gap", "mistake", "networks", "dissent", "spread")
+"""Filters that take a lowest and a highest value, inclusive; each has its column and index in `samples`."""
 
 
 _CHOICES: dict[str, tuple[str | None, ...]] = {
@@ -35,7 +27,7 @@ _CHOICES: dict[str, tuple[str | None, ...]] = {
     "state": (None, "labelled", "unlabelled", "unsure", "excluded"),
     "source": (None, "none", "dart", "human"),
     "origin": (None, "grid", "person", "planner", "import"),
-    "sort": tuple(_COLUMNS),
+    "sort": get_args(Sort),
 }
 
 
@@ -51,14 +43,18 @@ class Query(config.Settings):
         quality: lowest and highest quality, inclusive.
         label: lowest and highest label.
         score: lowest and highest score of the weights in use.
+        gap: |score − quality|, lowest and highest, as are the following ones.
+        mistake: |score − label|.
+        networks: |heat − score|, the Regression against the Refined Network.
+        dissent: |label − quality| where a person set the label: human against DART.
+        spread: quality · (1 − quality), the variance of the attempts.
         state: of the label.
         source: of the label.
         flagged: marked or not.
         person: has an event of this person.
         origin: who made the grasp.
         text: words that a note of the sample holds; the last one may be incomplete.
-        sort: by what; "gap" is |score − quality|, "spread" the disagreement between the attempts, "changed" the newest
-            label event. Rows without the value are left out.
+        sort: by one of these, by heat, or by "changed", the newest label event. Rows without the value are left out.
         descending: highest first.
     """
 
@@ -70,6 +66,11 @@ class Query(config.Settings):
     quality: tuple[float, float] | None = None
     label: tuple[float, float] | None = None
     score: tuple[float, float] | None = None
+    gap: tuple[float, float] | None = None
+    mistake: tuple[float, float] | None = None
+    networks: tuple[float, float] | None = None
+    dissent: tuple[float, float] | None = None
+    spread: tuple[float, float] | None = None
     state: Literal["labelled", "unlabelled", "unsure", "excluded"] | None = None
     source: Literal["none", "dart", "human"] | None = None
     flagged: bool | None = None
@@ -101,10 +102,18 @@ class Page(msgspec.Struct, frozen=True):
 _COMMON = {"state": "labelled", "source": "dart"}
 """What nearly all samples are: the other values have partial indices."""
 
-_FEW = 20_000
+_FEW = 5_000
 """So many rows are sorted quicker than they are found by walking a sorted index of a million."""
 
 _OUTCOME_COLUMNS = {"SUCCESS": "successes", "COLLISION": "collisions", "MISSED": "missed", "SLIPPED": "slipped"}
+
+
+_SORT_COLUMNS = {"id": "grasp", "changed": "last_event"}
+"""Sorts whose column is called otherwise."""
+
+
+def _index(column: str) -> str:
+    return column.replace(".", "_")
 
 
 class Lists(Curation):
@@ -123,50 +132,41 @@ class Lists(Curation):
         """
         if size < 1:
             raise StoreError(f"a page has at least 1 row, not {size}")
-        where, values = self._where(query)
-        column = _COLUMNS[query.sort]
-        if query.sort != "id" and self._rare(query):
-            column = f"+{column}"
-        way, beyond = ("DESC", "<") if query.descending else ("ASC", ">")
+        where, values = self.conditions(query)
+        few = bool(where) and self.count(query, most=_FEW) < _FEW
+        column = "samples." + _SORT_COLUMNS.get(query.sort, query.sort)
+        table = (
+            "samples" if few else f"samples {'NOT INDEXED' if query.sort == 'id' else f'INDEXED BY {_index(column)}'}"
+        )
         if query.sort != "id":
             where.append(f"{column} IS NOT NULL")
+        key = f"+{column}" if few else column
+        way, beyond = ("DESC", "<") if query.descending else ("ASC", ">")
         if after is not None:
-            key, last = after
-            if query.sort == "id":
-                where.append(f"samples.grasp {beyond} ?")
-                values.append(last)
-            else:
-                where.append(f"({column}, samples.grasp) {beyond} (?, ?)")
-                values += [key, last]
-        clause = f"WHERE {' AND '.join(where) or '1'} ORDER BY {column} {way}, samples.grasp {way} LIMIT ?"
-        keys = self.rows(f"SELECT samples.grasp, {column} AS key FROM samples {clause}", [*values, size + 1])
+            where.append(f"({key}, samples.grasp) {beyond} (?, ?)")
+            values += after
+        clause = f"WHERE {' AND '.join(where) or '1'} ORDER BY {key} {way}, samples.grasp {way} LIMIT ?"
+        keys = self.rows(f"SELECT samples.grasp, {column} AS key FROM {table} {clause}", [*values, size + 1])
         shown = [int(row["grasp"]) for row in keys[:size]]
         found = {row.id: row for row in self.grasp_rows(f"WHERE grasps.id IN ({','.join('?' * len(shown))})", shown)}
         rest = (float(keys[size - 1]["key"]), shown[-1]) if len(keys) > size else None
         return Page([found[grasp] for grasp in shown], rest)
 
-    def count(self, query: Query) -> int:
-        """How many samples a query selects (its sorting leaves none out)."""
-        where, values = self._where(query)
-        row = self.row(f"SELECT count(*) FROM samples WHERE {' AND '.join(where) or '1'}", values)
+    def count(self, query: Query, *, most: int | None = None) -> int:
+        """How many samples a query selects (its sorting leaves none out); with `most`, counting ends there."""
+        where, values = self.conditions(query)
+        inner = f"SELECT 1 FROM samples WHERE {' AND '.join(where) or '1'}"
+        row = self.row(f"SELECT count(*) FROM ({inner} LIMIT ?)", [*values, -1 if most is None else most])
         return 0 if row is None else int(row[0])
 
     def ids(self, query: Query) -> list[int]:
         """The ids of all samples that a query selects, for bulk actions."""
-        where, values = self._where(query)
+        where, values = self.conditions(query)
         found = self.rows(f"SELECT grasp FROM samples WHERE {' AND '.join(where) or '1'} ORDER BY grasp", values)
         return [int(row["grasp"]) for row in found]
 
-    def _rare(self, query: Query) -> bool:
-        """Whether a filter with an index of its own leaves so few rows that sorting them is the quick way."""
-        common = (query.state in (None, "labelled"), query.source in (None, "dart"), query.flagged is not True)
-        if all(common):
-            return False
-        where, values = self._where(query)
-        row = self.row(f"SELECT count(*) FROM (SELECT 1 FROM samples WHERE {' AND '.join(where)} LIMIT {_FEW})", values)
-        return row is not None and row[0] < _FEW
-
-    def _where(self, query: Query) -> tuple[list[str], list[Any]]:
+    def conditions(self, query: Query) -> tuple[list[str], list[Any]]:
+        """The filters of a query as SQL conditions on `samples`, and the values that they bind."""
         where: list[str] = []
         values: list[Any] = []
 
@@ -192,7 +192,7 @@ class Lists(Curation):
             add("samples.scene = (SELECT id FROM scenes WHERE name = ?)", query.scene)
         if query.outcome is not None:
             add(f"samples.{_OUTCOME_COLUMNS[query.outcome]} > 0")
-        for field in ("quality", "label", "score"):
+        for field in RANGES:
             if (bounds := getattr(query, field)) is not None:
                 add(f"samples.{field} BETWEEN ? AND ?", *bounds)
         if query.flagged is not None:

@@ -87,3 +87,35 @@ def test_bad_queries_are_refused(lists):
         Query(state="x' OR 1 --")
     with pytest.raises(StoreError, match="sort is one of"):
         Query(sort="colour")
+
+
+def test_disagreements_sort_and_filter(lists):
+    lists.add_predictions("w", "w", [1, 2, 3, 4], [0.1, 0.9, 0.6, 0.4], [0.1, 0.2, 0.6, 0.5])
+    lists.use_weights("w")
+    lists.add_label(2, "ann", 0.0)
+
+    def top(sort):
+        return [row.id for row in lists.page(Query(sort=sort, descending=True), size=4).rows]
+
+    assert top("mistake")[:2] == [2, 1]
+    assert top("networks") == [2, 4, 3, 1]
+    assert top("dissent") == [2]
+    assert top("gap") == [1, 2, 4, 3]
+    assert lists.ids(Query(mistake=(0.85, 1.0))) == [1, 2]
+    assert lists.ids(Query(dissent=(0.5, 1.0))) == [2]
+    assert lists.ids(Query(networks=(0.0, 0.2), gap=(0.0, 0.2))) == [3, 4]
+    assert lists.ids(Query(spread=(0.2, 0.25), split="train")) == [3, 4]
+
+
+@pytest.mark.parametrize("most", [1, 5, 18])
+def test_counting_may_end_early(lists, most):
+    assert lists.count(Query(), most=most) == most
+    assert lists.count(Query(split="test"), most=most) == min(most, 7)
+
+
+@pytest.mark.parametrize("sort", ["id", "quality", "spread"])
+def test_both_ways_to_a_page_give_the_same(lists, sort, monkeypatch):
+    query = Query(category="box", quality=(0.2, 1.0), sort=sort, descending=True)
+    few = [row.id for row in everything(lists, query, 4)]
+    monkeypatch.setattr("grasp_core.dataset.queries._FEW", 0)
+    assert [row.id for row in everything(lists, query, 4)] == few
