@@ -43,6 +43,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "crosscheck": ("crosscheck", "CrosscheckCommand", "compare the verdicts of physics engines"),
     "benchmark success": ("benchmark_success", "BenchmarkSuccess", "success of planners on unseen objects, in DART"),
     "benchmark trials": ("benchmark_trials", "BenchmarkTrials", "how fast trials are, beside MuJoCo"),
+    "benchmark curation": ("benchmark_curation", "BenchmarkCuration", "pages, filters and labels of a large dataset"),
     "benchmark latency": ("benchmark_latency", "BenchmarkLatency", "how long a plan takes, by stage and backend"),
 }
 """Words of a command → (module in this package, class, what it does)."""

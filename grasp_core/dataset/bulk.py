@@ -12,7 +12,6 @@ from grasp_core.dataset.queries import Query
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import Cancelled, StoreError
 
-
 _CHANGES = {
     "unsure": "state <> 'unsure'",
     "exclude": "state <> 'excluded'",

@@ -14,6 +14,7 @@ import numpy as np
 from grasp_core import config
 from grasp_core.camera import canonical_camera
 from grasp_core.dataset.events import VERDICTS
+from grasp_core.dataset.labels import Kind
 from grasp_core.dataset.rows import camera_json
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.gripper import load_gripper
@@ -27,6 +28,9 @@ WEIGHTS = "made-up-weights"
 _CATEGORIES = 50
 _SHARES = (0.1, 0.75, 0.1, 0.05)
 """Of the four outcomes, about those of real datasets."""
+
+
+_DECISIONS: tuple[float | Kind, ...] = (1.0, 0.0, "unsure", "exclude", "flag")
 
 
 class Made(config.Settings):
@@ -118,6 +122,6 @@ def _decide(store: DatasetStore, decisions: int, rng: np.random.Generator) -> No
     words = ("rim", "handle", "slips", "bent", "look", "again", "edge", "lid")
     with store.transaction():
         for index, grasp in enumerate(rng.integers(1, highest + 1, decisions).tolist()):
-            decision = (1.0, 0.0, "unsure", "exclude", "flag")[index % 5]
+            decision = _DECISIONS[index % len(_DECISIONS)]
             note = " ".join(rng.choice(words, 3)) if index % 4 == 0 else ""
             store.add_label(grasp, f"person {index % 7}", decision, note=note)
