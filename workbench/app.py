@@ -1,29 +1,31 @@
-"""The app: server, worker, ledger and sessions, and the one thread on which all states move."""
+"""The app: server, worker, views and sessions, and the one thread on which all states move."""
 
 from __future__ import annotations
 
+import json
 import logging
 import threading
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import viser
 
 from grasp_core import config
-from grasp_core.errors import GraspError
 from grasp_core.gripper import load_gripper
 from grasp_core.objects.parametric import FAMILIES
 from grasp_core.simulation.physics import load_physics
 from workbench import actions as a
-from workbench import workshop
+from workbench.inspector import workshop
+from workbench.inspector.orders import Catalogue, SceneRequest
+from workbench.inspector.view import Inspector
 from workbench.jobs import Jobs
 from workbench.ledger import Ledger, default_dataset
-from workbench.orders import Catalogue, SceneRequest
-from workbench.scenes import Scenes
 from workbench.screen import Screen
 from workbench.serving import serve
 from workbench.session import Session, Sessions
-from workbench.state import State
+from workbench.state import Shell
 
 log = logging.getLogger("workbench")
 
@@ -31,6 +33,8 @@ ATTEMPTS = 5
 """In a trial (the paper's number)."""
 FIRST = SceneRequest(family="toy_plane", shape=0, pose=0, place=1, planner="cascade")
 """What a new browser opens on."""
+_MOST_KEPT = 20_000
+"""Characters that a browser may have kept for its return."""
 
 
 class Workbench:
@@ -55,17 +59,14 @@ class Workbench:
         self._attached: dict[int, Session] = {}
         self._jobs = Jobs(workshop.prepare, self._worker_lost)
         try:
-            self._scenes = Scenes(self._jobs)
-            # The first scene is under way before anything else is: it is what a new browser waits for.
-            self._scenes.open(first, lambda scene: None, lambda why: log.warning("the first scene failed: %s", why))
-            gripper = load_gripper()
+            gripper, physics = load_gripper(), load_physics()
             planners = tuple(sorted(config.shipped("planners"), key=lambda name: (name != first.planner, name)))
-            self._catalogue = Catalogue(tuple(sorted(FAMILIES)), planners, gripper, ATTEMPTS)
-            self._sessions = Sessions(lambda: State(self._catalogue, first), self._woken.set)
-            physics = load_physics()
+            catalogue = Catalogue(tuple(sorted(FAMILIES)), planners, gripper, ATTEMPTS)
             self.dataset = (dataset or default_dataset(gripper, physics)).expanduser().resolve()
             self._ledger = Ledger(self.dataset, gripper, physics)
             self._ledger.check()
+            self._shell = Shell([Inspector(self._jobs, self._ledger, catalogue, first)])
+            self._sessions = Sessions(self._shell, self._woken.set)
             self._server, self.url = serve(host, port)
         except BaseException:
             self._jobs.close()
@@ -89,18 +90,11 @@ class Workbench:
 
     def _connect(self, client: viser.ClientHandle) -> None:
         try:
-            try:
-                token = client.local_storage.get_item("session", timeout=3.0)
-            except (RuntimeError, TimeoutError):
-                token = None  # its storage is blocked: this browser starts anew with each load
-            session, new = self._sessions.claim(token)
+            session, new = self._sessions.claim(_stored(client, "session"), _kept(_stored(client, "kept")))
             if new:
                 client.local_storage.set_item("session", session.token)
             self._attached[client.client_id] = session
-            dataset = str(self.dataset).replace(str(Path.home()), "~", 1)
-            session.attach(Screen(client, session.post, self._catalogue, session.state, dataset))
-            if new:
-                self._perform(session, a.OpenScene(session.state.ticket, session.state.request))
+            session.attach(Screen(client, session.post, self._shell, session.state))
             if client.client_id not in self._server.get_clients():
                 self._disconnect(client)  # it left while its screen was made
         except Exception:
@@ -135,45 +129,26 @@ class Workbench:
                     due = again if due is None else min(due, again)
 
     def _perform(self, session: Session, effect: a.Effect) -> None:
-        post = session.post
-        match effect:
-            case a.OpenScene(ticket, request):
-                self._scenes.open(
-                    request, lambda scene: post(a.Opened(ticket, scene)), lambda why: post(a.OpenFailed(ticket, why))
-                )
-            case a.RecordAttempt(ticket, opened, index, number):
-                self._jobs.submit(
-                    lambda made: post(a.Replayed(ticket, index, made)),
-                    lambda why: post(a.TrialFailed(ticket, index, why)),
-                    workshop.record_attempt,
-                    opened.scene,
-                    opened.plan.candidates[index].grasp,
-                    number,
-                )
-            case a.RunTrial(ticket, opened, index):
-                self._jobs.submit(
-                    lambda made: post(a.Tried(ticket, index, made)),
-                    lambda why: post(a.TrialFailed(ticket, index, why)),
-                    workshop.run_trial,
-                    opened.scene,
-                    opened.plan.candidates[index].grasp,
-                    ATTEMPTS,
-                )
-            case a.StoreVerdict():
-                self._ledger.thread.submit(self._store, session, effect)
-            case a.Notice(_, title, body):
-                log.info("%s: %s", title, body)  # nobody is there to read it
-            case _:
-                raise TypeError(f"nobody does {type(effect).__name__}")
+        if isinstance(effect, a.Notice | a.Download):
+            log.info("nobody is there to take %s", type(effect).__name__)
+        elif not any(view.perform(session.post, effect) for view in self._shell.views.values()):
+            raise TypeError(f"nobody does {type(effect).__name__}")
 
-    def _store(self, session: Session, effect: a.StoreVerdict) -> None:
-        ticket, index = effect.ticket, effect.index
-        try:
-            event = self._ledger.record(effect.scene, index, effect.judgement, effect.attempts)
-        except GraspError as error:
-            session.post(a.JudgeFailed(ticket, index, str(error)))
-        except Exception as error:
-            log.exception("a verdict could not be stored")
-            session.post(a.JudgeFailed(ticket, index, f"{type(error).__name__}: {error}"))
-        else:
-            session.post(a.Judged(ticket, index, effect.judgement, event.id))
+
+def _stored(client: viser.ClientHandle, key: str) -> str | None:
+    """What the browser keeps under a key; None where its storage is blocked: it then starts anew with each load."""
+    try:
+        return client.local_storage.get_item(key, timeout=3.0)
+    except (RuntimeError, TimeoutError):
+        return None
+
+
+def _kept(value: str | None) -> Mapping[str, Any]:
+    """What a browser kept, if it is JSON of a sane size."""
+    if not isinstance(value, str) or len(value) > _MOST_KEPT:
+        return {}
+    try:
+        kept = json.loads(value)
+    except ValueError:
+        return {}
+    return kept if isinstance(kept, dict) else {}

@@ -1,87 +1,33 @@
 """A thin typed layer between this app and viser.
 
-viser disconnects every client when one property cannot be encoded, drops a widget's other handlers when one raises, and
-hands through whatever a browser claims a value to be. So: values are cast to builtins on the way out, checked on the
-way in, and handlers only enqueue; an exception in one becomes a notification.
+viser drops a widget's other handlers when one raises and hands through whatever a browser claims a value to be. So:
+values are checked on the way in, handlers only enqueue, and an exception in one becomes a notification.
 """
 
 from __future__ import annotations
 
-import html
 import logging
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, Literal
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from grasp_core.errors import GraspError
 from workbench.actions import Action, Notice
+from workbench.casting import plain, put, text
+from workbench.uploads import Limiter
 
 log = logging.getLogger("workbench")
 
-T = TypeVar("T")
 Post = Callable[[Action], None]
 Reader = Callable[[str], Action]
 Tone = Literal["info", "warning", "error"]
 _TONES: dict[Tone, tuple[int, int, int]] = {"info": (56, 139, 213), "warning": (242, 177, 52), "error": (224, 82, 60)}
-
-
-def plain(value: Any) -> Any:
-    """`value` in types that viser can encode: builtins, tuples of them, or numeric arrays.
-
-    Raises:
-        GraspError: the value holds anything else, or a number that is not finite.
-    """
-    if isinstance(value, np.ndarray):
-        if value.dtype.kind not in "fiub":
-            raise GraspError(f"an array of type {value.dtype} cannot be shown")
-        return value
-    if isinstance(value, np.generic):
-        value = value.item()
-    if value is None or isinstance(value, bool | int | str | bytes):
-        return value
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise GraspError("a number that is not finite cannot be shown")
-        return value
-    if isinstance(value, list | tuple):
-        return tuple(plain(item) for item in value)
-    raise GraspError(f"a {type(value).__name__} cannot be shown")
-
-
-def put(handle: Any, **properties: Any) -> None:
-    """Set properties of a viser handle, cast by `plain`; equal ones are left alone."""
-    for name, value in properties.items():
-        cast = plain(value)
-        if not isinstance(cast, np.ndarray):
-            current = getattr(handle, name)
-            if not isinstance(current, np.ndarray) and type(current) is type(cast) and current == cast:
-                continue
-        setattr(handle, name, cast)
-
-
-def text(value: object) -> str:
-    """Any text made safe inside HTML: viser shows HTML unfiltered, and would run what a name smuggles in."""
-    return html.escape(str(value), quote=True)
-
-
-def sentence(words: str) -> str:
-    """Words with a capital and a full stop."""
-    words = words.strip()
-    return words if not words else words[0].upper() + words[1:] + ("" if words[-1] in ".!?" else ".")
-
-
-def pose(transform: NDArray[np.float64]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """4×4 → (w, x, y, z) and (x, y, z), as viser takes them."""
-    rotation = viser.transforms.SO3.from_matrix(np.asarray(transform, float)[:3, :3])
-    return plain(tuple(rotation.wxyz)), plain(tuple(np.asarray(transform, float)[:3, 3]))
-
-
-_MESSAGE = re.compile(r"([a-z]{1,20}):([A-Za-z0-9_.+-]{0,60}):[0-9]{1,20}")
+_MESSAGE = re.compile(r"([a-z]{1,20}):([A-Za-z0-9_.,;:=&%+~!*'()-]{0,4000}):[0-9]{1,20}")
 
 
 def read_message(value: str, readers: Mapping[str, Reader]) -> Action:
@@ -99,6 +45,37 @@ def read_message(value: str, readers: Mapping[str, Reader]) -> Action:
         raise GraspError(f"the page sent '{match[1]}' with a bad value; reload the page") from error
 
 
+class Section:
+    """Widgets and scene nodes that are shown and hidden together.
+
+    Attributes:
+        root: name of the scene node that its nodes hang from.
+    """
+
+    def __init__(self, client: viser.ClientHandle, root: str) -> None:
+        self.root = root
+        self._frame = client.scene.add_frame(root, show_axes=False)
+        self._shown = True
+        self._handles: list[Any] = []
+        self._hidden: list[Any] = []
+
+    def add(self, handle: Any) -> None:
+        """Let a widget belong to this section."""
+        self._handles.append(handle)
+
+    def want(self, handle: Any, visible: bool) -> None:
+        """Whether a widget is visible while its section is."""
+        self._hidden = [other for other in self._hidden if other is not handle] + ([] if visible else [handle])
+        put(handle, visible=visible and self._shown)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide all of it."""
+        self._shown = visible
+        put(self._frame, visible=visible)
+        for handle in self._handles:
+            put(handle, visible=visible and not any(handle is other for other in self._hidden))
+
+
 class Bridge:
     """One browser: makes its widgets, and turns what happens to them into actions.
 
@@ -110,11 +87,25 @@ class Bridge:
         self.client = client
         self._post = post
         self._readers = readers
+        self._section: Section | None = None
+        self._limiter = Limiter(client)
         self._inbox = client.gui.add_text("page-messages", "")
-        self._uuid = str(self._inbox._impl.uuid)
+        uuid = str(self._inbox._impl.uuid)
         self._inbox.on_update(self._guard(lambda _: self._received(self._inbox.value)))
-        style = f'<style>div:has(> div > div > p > label[for="{self._uuid}"]){{display:none}}</style>'
-        client.gui.add_html(style)
+        send = (
+            f"window.gwSend=m=>{{const i=document.querySelector('label[for=\"{uuid}\"]')"
+            ".closest('.mantine-Flex-root').querySelector('input');"
+            "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,"
+            "m+':'+Math.floor(performance.timeOrigin*1000+performance.now()*1000));"
+            "i.dispatchEvent(new Event('input',{bubbles:true}))};"
+            # Where the pointer is on an SVG, in its own units.
+            "window.gwAt=(s,e)=>{const p=new DOMPoint(e.clientX,e.clientY).matrixTransform(s.getScreenCTM().inverse());"
+            "return (p.x-0.5).toFixed(1)+','+(p.y-0.5).toFixed(1)};this.remove()"
+        )
+        client.gui.add_html(
+            f'<style>div:has(> div > div > p > label[for="{uuid}"]){{display:none}}</style>'
+            f'<img src="data:," onerror="{text(send)}" hidden>'
+        )
 
     def _received(self, value: str) -> None:
         if value:
@@ -134,22 +125,58 @@ class Bridge:
 
         return guarded
 
-    def onclick(self, message: str) -> str:
-        """An `onclick` attribute that sends `verb:argument` to this app; for HTML made by this app.
+    @contextmanager
+    def section(self, root: str) -> Iterator[Section]:
+        """What is made inside belongs to one section; its scene nodes hang from `root`."""
+        self._section = Section(self.client, root)
+        try:
+            yield self._section
+        finally:
+            self._section = None
 
-        Args:
-            message: `verb:argument`, or `verb:` with the rest given by the element's `data-argument`.
-        """
-        if not re.fullmatch(r"[a-z]+:[A-Za-z0-9_.+-]*", message):
+    def node(self, name: str) -> str:
+        """The full name of a scene node of this section."""
+        return name if self._section is None else self._section.root + name
+
+    def _own(self, handle: Any) -> Any:
+        if self._section is not None:
+            self._section.add(handle)
+        return handle
+
+    @contextmanager
+    def panel(self, tabs: Sequence[tuple[str, Any]], width: int) -> Iterator[list[Any]]:
+        """A column docked at the right; gives one tab per (label, icon), to be entered with `with`."""
+        column = self._own(self.client.gui.add_panel())
+        outer, self._section = self._section, None  # what is in the column hides with it
+        try:
+            yield [column.add_tab(label, icon) for label, icon in tabs]
+        finally:
+            self._section = outer
+        column.dock_right()
+        column.set_width(width)
+
+    def script(self, message: str) -> str:
+        """JavaScript that sends `verb:argument`; `{at}` in it stands for a pointer's place on an SVG."""
+        if not re.fullmatch(r"[a-z]+:[A-Za-z0-9_.+,:-]*", message):
             raise ValueError(f"no page message: {message}")
-        script = (
-            f"event.stopPropagation();const i=document.querySelector('label[for=&quot;{self._uuid}&quot;]')"
-            ".closest('.mantine-Flex-root').querySelector('input');"
-            "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,"
-            f"'{message}:'+Math.floor(performance.timeOrigin+performance.now()));"
-            "i.dispatchEvent(new Event('input',{bubbles:true}))"
-        )
-        return f'onclick="{script}"'
+        return f"gwSend('{message}')"
+
+    def onclick(self, message: str) -> str:
+        """An `onclick` attribute that sends `verb:argument` to this app; for HTML made by this app."""
+        return f'onclick="event.stopPropagation();{self.script(message)}"'
+
+    def onpoint(self, verb: str) -> str:
+        """An `onclick` attribute for an SVG that sends `verb:u,v`, the place of the click in pixels of its view box."""
+        return f"onclick=\"gwSend('{verb}:'+gwAt(this,event))\""
+
+    def onslide(self, verb: str, live: str = "") -> str:
+        """Attributes for a range input that sends `verb:value` when let go; `live` is JavaScript for each movement."""
+        return f'oninput="{live}" onchange="gwSend(\'{verb}:\'+this.value)"'
+
+    def loaded(self, expression: str) -> str:
+        """HTML that sends the value of a JavaScript expression once it is on the page."""
+        script = f"gwSend({expression});this.remove()"
+        return f'<img src="data:," onerror="{text(script)}" hidden>'
 
     def button(
         self,
@@ -184,13 +211,13 @@ class Bridge:
 
     def html(self, content: str = "") -> viser.GuiHtmlHandle:
         """A piece of HTML made by this app; every foreign text in it must have gone through `text`."""
-        return self.client.gui.add_html(content)
+        return self._own(self.client.gui.add_html(content))
 
     def dropdown(
         self, label: str, options: Sequence[str], value: str, action: Callable[[str], Action], hint: str
     ) -> viser.GuiDropdownHandle:
         """A dropdown; values that are no option are refused."""
-        handle = self.client.gui.add_dropdown(label, tuple(options), initial_value=value, hint=hint)
+        handle = self._own(self.client.gui.add_dropdown(label, tuple(options), initial_value=value, hint=hint))
 
         def changed(_: Any) -> None:
             if handle.value not in handle.options:
@@ -211,23 +238,63 @@ class Bridge:
         hint: str,
     ) -> viser.GuiSliderHandle:
         """A slider of numbers; values outside its range are refused."""
-        handle = self.client.gui.add_slider(
-            label, min=float(low), max=float(high), step=float(step), initial_value=float(value), hint=hint
+        handle = self._own(
+            self.client.gui.add_slider(
+                label, min=float(low), max=float(high), step=float(step), initial_value=float(value), hint=hint
+            )
         )
 
         def changed(_: Any) -> None:
-            number = float(handle.value)
+            number = handle.value
+            if isinstance(number, bool) or not isinstance(number, int | float):
+                raise GraspError(f"{label} is a number")
             if not math.isfinite(number) or not handle.min - 1e-9 <= number <= handle.max + 1e-9:
                 raise GraspError(f"{label} runs from {handle.min:g} to {handle.max:g}")
-            self._post(action(number))
+            self._post(action(float(number)))
 
         handle.on_update(self._guard(changed))
         return handle
 
-    def checkbox(self, label: str, value: bool, action: Callable[[bool], Action], hint: str) -> viser.GuiCheckboxHandle:
-        """A checkbox."""
-        handle = self.client.gui.add_checkbox(label, initial_value=value, hint=hint)
-        handle.on_update(self._guard(lambda _: self._post(action(bool(handle.value)))))
+    def field(self, label: str, value: str, action: Callable[[str], Action], hint: str) -> viser.GuiTextHandle:
+        """A line of text, sent when it is left or Enter is pressed; at most 1000 characters."""
+        handle = self._own(self.client.gui.add_text(label, value, hint=hint))
+
+        def changed(_: Any) -> None:
+            if not isinstance(handle.value, str) or len(handle.value) > 1000:
+                raise GraspError(f"{label} is a text of at most 1000 characters")
+            self._post(action(handle.value.strip()))
+
+        handle.on_update(self._guard(changed))
+        return handle
+
+    def upload(
+        self, label: str, kinds: Sequence[str], most: int, action: Callable[[str, bytes], Action], hint: str
+    ) -> viser.GuiUploadButtonHandle:
+        """A button that takes one file; too large ones, and those of other kinds, are refused.
+
+        Args:
+            label: on the button.
+            kinds: endings that are taken, as ".stl".
+            most: bytes.
+            action: takes the file's name and content.
+            hint: shown on hover.
+        """
+        handle = self._own(
+            self.client.gui.add_upload_button(label, mime_type=",".join(kinds), hint=hint, icon=viser.Icon.UPLOAD)
+        )
+
+        def refused(why: str) -> None:
+            self._post(Notice("warning", "The file was not taken", why))
+
+        self._limiter.limit(str(handle._impl.uuid), most, refused)
+
+        def received(_: Any) -> None:
+            name, content = str(handle.value.name), handle.value.content
+            if not name.lower().endswith(tuple(kinds)) or len(name) > 255:
+                raise GraspError(f"'{name[:60]}' is no {' or '.join(kinds)} file")
+            self._post(action(name, content))
+
+        handle.on_upload(self._guard(received))
         return handle
 
     def command(self, label: str, hotkey: str | None, action: Callable[[], Action], description: str) -> None:
@@ -237,15 +304,38 @@ class Bridge:
         command.on_trigger(self._guard(lambda _: self._post(action())))
 
     def clickable(self, handle: Any, count: Callable[[], int], action: Callable[[int], Action]) -> None:
-        """Clicks on one instance of a batched mesh become actions; impossible instances are refused."""
+        """Clicks on one instance of a batched mesh become actions; impossible instances are refused.
+
+        A mesh that is not batched counts as instance 0.
+        """
 
         def clicked(event: Any) -> None:
-            index = event.instance_index
+            index = 0 if event.instance_index is None else event.instance_index
             if not isinstance(index, int) or not 0 <= index < count():
-                raise GraspError("that candidate is gone; click one that is shown")
+                raise GraspError("that is gone; click one that is shown")
             self._post(action(index))
 
         handle.on_click(self._guard(clicked))
+
+    def draggable(self, handle: viser.TransformControlsHandle, action: Callable[[Any, Any, bool], Action]) -> None:
+        """Movements of a gizmo become actions.
+
+        Args:
+            handle: the gizmo.
+            action: takes orientation (w, x, y, z), position (x, y, z) in metres, and whether the drag has ended.
+        """
+
+        def moved(event: Any) -> None:
+            wxyz, position = np.asarray(handle.wxyz, float), np.asarray(handle.position, float)
+            numbers = np.concatenate([wxyz.reshape(-1), position.reshape(-1)])
+            if numbers.shape != (7,) or not np.isfinite(numbers).all() or np.abs(numbers).max() > 10:
+                raise GraspError("the page sent a pose that is none; reload the page")
+            length = float(np.linalg.norm(wxyz))
+            if not 0.5 < length < 2:
+                raise GraspError("the page sent a turn that is none; reload the page")
+            self._post(action(plain(tuple(wxyz / length)), plain(tuple(position)), event.phase == "end"))
+
+        handle.on_update(self._guard(moved))
 
     def notify(self, tone: Tone, title: str, body: str) -> None:
         """Show a notification; errors stay until they are closed."""

@@ -20,7 +20,7 @@ from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import MismatchError
 from grasp_core.gripper import Gripper
 from grasp_core.simulation.physics import Physics
-from workbench.orders import Judgement, OpenedScene, Try
+from workbench.inspector.orders import Judgement, OpenedScene, Try
 
 
 class Source(config.Settings):

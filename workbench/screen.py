@@ -1,63 +1,124 @@
-"""All that one browser shows: panels and scene, updated together."""
+"""All that one browser shows: the shell's own widgets and those of every view, updated together."""
 
 from __future__ import annotations
 
-from typing import Protocol
+import json
+from collections.abc import Callable
+from importlib import resources
 
 import viser
 
-from workbench.actions import Effect, Notice
+from workbench.actions import Action, Arrive, Download, Effect, Notice, ShowView, ToggleTheme
 from workbench.bridge import Bridge, Post, Reader
-from workbench.orders import Catalogue
-from workbench.panels import candidates_panel, scene_panel, trial_panel
-from workbench.panels.candidates_panel import CandidatesPanel
-from workbench.panels.images_panel import ImagesPanel
-from workbench.panels.scene_panel import ScenePanel
-from workbench.panels.trial_panel import TrialPanel
-from workbench.state import State
-from workbench.views.scene3d import Scene3d
+from workbench.casting import put, text
+from workbench.state import Shell, State
 
-READERS: dict[str, Reader] = {**scene_panel.READERS, **candidates_panel.READERS, **trial_panel.READERS}
-LEFT = 322
-RIGHT = 348
-"""Widths of the two columns, pixels."""
+LEFT = 366
+"""Width of the left column, pixels."""
+READERS: dict[str, Reader] = {
+    "arrive": Arrive,
+    "view": ShowView,
+    "theme": lambda argument: ToggleTheme(),
+}
+_ARRIVED = "location.search.slice(1)"
+"""JavaScript: the query that the page was loaded with."""
 
 
-class _Part(Protocol):
-    def update(self, old: State | None, new: State) -> None: ...
+def style() -> str:
+    """The style sheet of everything that this app shows, as HTML."""
+    return f"<style>{(resources.files('workbench') / 'assets' / 'workbench.css').read_text()}</style>"
+
+
+def address(query: str) -> str:
+    """HTML that makes the page's address a link to what it shows; what others put into the address stays."""
+    script = (
+        "const old=new URLSearchParams(location.search),now=new URLSearchParams(this.dataset.query);"
+        "for(const k of ['fixedDpr','websocket'])if(old.has(k))now.set(k,old.get(k));"
+        "history.replaceState(null,'','?'+now.toString().replaceAll('%2C',',').replaceAll('%3A',':'));this.remove()"
+    )
+    return f'<img src="data:," data-query="{text(query)}" onerror="{text(script)}" hidden>'
 
 
 class Screen:
     """The workbench in one browser; made once per connection, then updated in place."""
 
-    def __init__(
-        self, client: viser.ClientHandle, post: Post, catalogue: Catalogue, state: State, dataset: str
-    ) -> None:
+    def __init__(self, client: viser.ClientHandle, post: Post, shell: Shell, state: State) -> None:
         self._client = client
+        self._shell = shell
+        readers = dict(READERS)
+        for view in shell.views.values():
+            assert not readers.keys() & view.readers.keys(), f"verbs of {view.name} are taken"
+            readers.update(view.readers)
         gui = client.gui
         with client.atomic():
-            bridge = Bridge(client, post, READERS)
-            bridge.html(scene_panel.style())
-            self._parts: list[_Part] = [ScenePanel(bridge, catalogue, state), ImagesPanel(bridge, catalogue.gripper)]
-            column = gui.add_panel()
-            with column.add_tab("Grasps", viser.Icon.HAND_GRAB):
-                self._parts += [CandidatesPanel(bridge), TrialPanel(bridge, catalogue.attempts, dataset)]
-            self._parts.append(Scene3d(bridge, catalogue.gripper))
+            self._bridge = bridge = Bridge(client, post, readers)
+            bridge.html(style())
+            self._look = bridge.html()
+            self._address = bridge.html()
+            self._tabs = bridge.html() if len(shell.views) > 1 else None
+            self._sections = {}
+            self._parts = {}
+            for name, view in shell.views.items():
+                with bridge.section(f"/{name}") as section:
+                    self._parts[name] = view.show(bridge, state.of[name])
+                self._sections[name] = section
+                bridge.command(f"View: {view.label}", None, _go(name), f"Change to the view {view.label}")
+            bridge.command("Dark or light", "L", ToggleTheme, "Change the theme")
             gui.main_panel.dock_left()
             gui.main_panel.set_width(LEFT)
-            column.dock_right()
-            column.set_width(RIGHT)
-        self._bridge = bridge
+            bridge.html(bridge.loaded(f"'arrive:'+{_ARRIVED}"))
+        self._kept = ""
 
     def update(self, old: State | None, new: State) -> None:
         """Bring what is shown from `old` to `new`."""
         with self._client.atomic():
-            for part in self._parts:
-                part.update(old, new)
+            if old is None or old.dark != new.dark:
+                self._theme(new.dark)
+            if old is None or old.view != new.view:
+                for name, section in self._sections.items():
+                    section.show(name == new.view)
+                if self._tabs is not None:
+                    put(self._tabs, content=self._tab_row(new))
+            same = old is not None and old.view == new.view
+            before = old.of[new.view] if old is not None and same else None
+            if before is not new.of[new.view]:
+                self._parts[new.view].update(before, new.of[new.view])
+            if new.arrived is not None:
+                put(self._address, content=address(self._shell.link(new)))
+        kept = json.dumps(self._shell.keep(new))
+        if kept != self._kept:
+            self._kept = kept
+            self._client.local_storage.set_item("kept", kept)
+
+    def _tab_row(self, state: State) -> str:
+        tabs = (
+            self._bridge.button(
+                text(view.label),
+                f"view:{name}",
+                look="gw-on" if name == state.view else "",
+                more=f'role="tab" aria-selected="{str(name == state.view).lower()}"',
+            )
+            for name, view in self._shell.views.items()
+        )
+        return f'<div class="gw"><div class="gw-bar" role="tablist">{"".join(tabs)}</div></div>'
+
+    def _theme(self, dark: bool) -> None:
+        self._client.gui.configure_theme(
+            dark_mode=dark, show_logo=False, show_share_button=False, brand_color=(56, 139, 213)
+        )
+        put(self._look, content=f'<i class="gw-theme" data-theme="{"dark" if dark else "light"}" hidden></i>')
 
     def perform(self, effect: Effect) -> bool:
-        """Show notices; other effects are for others."""
-        if not isinstance(effect, Notice):
-            return False
-        self._bridge.notify(effect.tone, effect.title, effect.body)
+        """Show notices and hand out files; other effects are for others."""
+        match effect:
+            case Notice(tone, title, body):
+                self._bridge.notify(tone, title, body)
+            case Download(name, content):
+                self._client.send_file_download(name, content, save_immediately=True)
+            case _:
+                return False
         return True
+
+
+def _go(name: str) -> Callable[[], Action]:
+    return lambda: ShowView(name)

@@ -7,13 +7,14 @@ import re
 import secrets
 import threading
 import time
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 from workbench.actions import Action, Effect, Tick
-from workbench.reducers import FRAME, reduce
-from workbench.state import State
+from workbench.state import Shell, State
 
+FRAME = 1 / 30
+"""Seconds between two ticks."""
 KEEP = 600.0
 """Seconds that the state of a browser that left is kept for its return."""
 MOST = 32
@@ -40,10 +41,11 @@ class Session:
         left: when the browser left, by the monotonic clock; None while it is there.
     """
 
-    def __init__(self, token: str, state: State, wake: Callable[[], None]) -> None:
+    def __init__(self, token: str, shell: Shell, state: State, wake: Callable[[], None]) -> None:
         self.token = token
         self.state = state
         self.left: float | None = time.monotonic()
+        self._shell = shell
         self._queue: queue.SimpleQueue[Action] = queue.SimpleQueue()
         self._wake = wake
         self._screen: Screen | None = None
@@ -76,16 +78,16 @@ class Session:
             old = None
         effects: list[Effect] = []
         while not self._queue.empty():
-            self.state, more = reduce(self.state, self._queue.get())
+            self.state, more = self._shell.reduce(self.state, self._queue.get())
             effects.extend(more)
-        playing = self.state.playback is not None and self.state.playback.playing
-        if playing and (self._next_frame is None or now >= self._next_frame):
+        ticking = self._shell.ticking(self.state)
+        if ticking and (self._next_frame is None or now >= self._next_frame):
             # Deadlines are absolute, so that a late frame does not delay those after it.
             late = self._next_frame is None or now - self._next_frame > FRAME
             self._next_frame = now + FRAME if late else (self._next_frame or now) + FRAME
-            self.state, more = reduce(self.state, Tick(now))
+            self.state, more = self._shell.reduce(self.state, Tick(now))
             effects.extend(more)
-        elif not playing:
+        elif not ticking:
             self._next_frame = None
         if self._screen is not None and old is not self.state:
             self._screen.update(old, self.state)
@@ -97,20 +99,21 @@ class Sessions:
     """All browsers, by token.
 
     Args:
-        first: the state that a new browser starts with, and effects to do for it.
+        shell: the views.
         wake: called when a session has something to do.
     """
 
-    def __init__(self, first: Callable[[], State], wake: Callable[[], None]) -> None:
-        self._first = first
+    def __init__(self, shell: Shell, wake: Callable[[], None]) -> None:
+        self._shell = shell
         self._wake = wake
         self._lock = threading.Lock()
         self._all: dict[str, Session] = {}
 
-    def claim(self, token: str | None) -> tuple[Session, bool]:
+    def claim(self, token: str | None, kept: Mapping[str, Any]) -> tuple[Session, bool]:
         """The session of a browser that shows `token`, and whether it is new.
 
-        A token that is malformed, unknown, or in use by another page (two tabs of a browser) gets a new session.
+        A token that is malformed, unknown, or in use by another page (two tabs of a browser) gets a new session, which
+        starts with what the browser `kept`.
         """
         with self._lock:
             self._forget()
@@ -118,7 +121,7 @@ class Sessions:
             if found is not None and found.left is not None:
                 found.left = None
                 return found, False
-            session = Session(secrets.token_hex(16), self._first(), self._wake)
+            session = Session(secrets.token_hex(16), self._shell, self._shell.first(kept), self._wake)
             session.left = None
             self._all[session.token] = session
             return session, True

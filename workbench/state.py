@@ -1,58 +1,16 @@
-"""The plain state of one browser's workbench; `reducers` makes the next one from it, `views` and `panels` show it."""
+"""The plain state of one browser's workbench, and how actions change it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
 
-from grasp_core.planning.planner import Candidate
-from workbench.orders import LAYERS, Catalogue, Judgement, Layer, OpenedScene, SceneRequest, Try
+from workbench.actions import Action, Arrive, Effect, Notice, ShowView, Tick, ToggleTheme
+from workbench.view import View
 
-
-@dataclass(frozen=True)
-class Playback:
-    """Where the replay stands.
-
-    Attributes:
-        attempt: the attempt that is shown, with its recording.
-        position: seconds into it.
-        playing: whether time moves it.
-        at: clock of the last tick while playing, seconds.
-    """
-
-    attempt: Try
-    position: float = 0.0
-    playing: bool = True
-    at: float | None = None
-
-    @property
-    def duration(self) -> float:
-        """Seconds of the recording."""
-        recording = self.attempt.recording
-        return (
-            0.0 if recording is None or len(recording.times) == 0 else float(recording.times[-1] - recording.times[0])
-        )
-
-
-@dataclass(frozen=True)
-class TrialState:
-    """What is known of one candidate's trial.
-
-    Attributes:
-        attempts: number → attempt; recordings stay with the one in `Playback` only.
-        running: attempts are still being made.
-        complete: all attempts are known.
-        failed: why they could not be made.
-    """
-
-    attempts: dict[int, Try] = field(default_factory=dict)
-    running: bool = False
-    complete: bool = False
-    failed: str | None = None
-
-    @property
-    def successes(self) -> int:
-        """How many succeeded."""
-        return sum(attempt.outcome == "SUCCESS" for attempt in self.attempts.values())
+Result = tuple["State", tuple[Effect, ...]]
 
 
 @dataclass(frozen=True)
@@ -60,59 +18,93 @@ class State:
     """Everything that one browser shows.
 
     Attributes:
-        catalogue: what there is.
-        request: the scene that is wanted.
-        ticket: of the newest wanted scene; other scenes are not shown.
-        making: ticket of the scene that is being made, one at a time; None when none is.
-        scene: the scene that is shown.
-        scene_ticket: its ticket; answers about candidates of other scenes are dropped.
-        failure: why the wanted scene could not be made.
-        selected: place of the selected candidate in the list.
-        trials: place → what is known of its trial.
-        waiting: number of the selected candidate's attempt to show once the running trial has ended.
-        playback: the replay, while one is shown.
-        verdicts: place → a person's verdict that is stored.
-        judging: a verdict is being stored.
-        speed: of replays, times real time.
-        shown: what is switched on in the scene.
+        view: name of the view that is shown.
+        dark: the theme.
+        of: view → its state.
+        arrived: query that the page was last loaded with; None before the first load.
     """
 
-    catalogue: Catalogue
-    request: SceneRequest
-    ticket: int = 0
-    making: int | None = 0
-    scene: OpenedScene | None = None
-    scene_ticket: int = 0
-    failure: str | None = None
-    selected: int | None = None
-    trials: dict[int, TrialState] = field(default_factory=dict)
-    waiting: int | None = None
-    playback: Playback | None = None
-    verdicts: dict[int, Judgement] = field(default_factory=dict)
-    judging: bool = False
-    speed: float = 1.0
-    shown: frozenset[Layer] = frozenset(LAYERS)
+    view: str
+    dark: bool
+    of: Mapping[str, Any]
+    arrived: str | None = None
 
-    @property
-    def opening(self) -> bool:
-        """The wanted scene is not there yet."""
-        return self.making is not None
+    def having(self, name: str, state: Any) -> State:
+        """The same with another state of one view."""
+        return replace(self, of={**self.of, name: state})
 
-    @property
-    def trying(self) -> bool:
-        """The trial of some candidate is running."""
-        return any(trial.running for trial in self.trials.values())
 
-    @property
-    def candidates(self) -> tuple[Candidate, ...]:
-        """Of the scene that is shown, best first."""
-        return () if self.scene is None else self.scene.plan.candidates
+class Shell:
+    """All views, and the rules that they share.
 
-    @property
-    def trial(self) -> TrialState:
-        """Of the selected candidate."""
-        return TrialState() if self.selected is None else self.trials.get(self.selected, TrialState())
+    Args:
+        views: the first one is shown unless a link says otherwise.
+    """
 
-    def with_trial(self, index: int, trial: TrialState) -> State:
-        """The same state with another trial at one place."""
-        return replace(self, trials={**self.trials, index: trial})
+    def __init__(self, views: Sequence[View]) -> None:
+        self.views = {view.name: view for view in views}
+
+    def first(self, kept: Mapping[str, Any]) -> State:
+        """The state of a new browser; `kept` is what it claims to have kept."""
+        own = {name: _mapping(kept.get(name)) for name in self.views}
+        dark = kept.get("dark", True)
+        states = {name: view.first(own[name]) for name, view in self.views.items()}
+        return State(next(iter(self.views)), dark if isinstance(dark, bool) else True, states)
+
+    def reduce(self, state: State, action: Action) -> Result:
+        """The next state and what has to be done; actions that no longer fit (late answers) change nothing."""
+        match action:
+            case Notice():
+                return state, (action,)
+            case ShowView(name):
+                return (replace(state, view=name) if name in self.views else state), ()
+            case ToggleTheme():
+                return replace(state, dark=not state.dark), ()
+            case Arrive(query):
+                return self._arrive(state, query)
+            case Tick():
+                view = self.views[state.view]
+                changed, effects = view.reduce(state.of[view.name], action)
+                return state.having(view.name, changed), effects
+        for view in self.views.values():
+            if isinstance(action, view.actions):
+                changed, effects = view.reduce(state.of[view.name], action)
+                return (state if changed is state.of[view.name] else state.having(view.name, changed)), effects
+        raise TypeError(f"no view knows the action {type(action).__name__}")
+
+    def _arrive(self, state: State, query: str) -> Result:
+        """Follow the link that a page was loaded under; a reload of what is shown changes nothing."""
+        if state.arrived is not None and _ours(query, self.link(state)):
+            return replace(state, arrived=query), ()
+        values = dict(parse_qsl(query, max_num_fields=64)) if len(query) < 8000 else {}
+        wanted = values.get("view", "")
+        effects: tuple[Effect, ...] = ()
+        if wanted and wanted not in self.views:
+            told = f"There is no view '{wanted[:40]}'; the views are: {', '.join(self.views)}."
+            effects = (Notice("warning", "This link names an unknown view", told),)
+        state = replace(state, arrived=query, view=wanted if wanted in self.views else state.view)
+        for name, view in self.views.items():
+            changed, more = view.arrive(state.of[name], values, name == state.view)
+            state, effects = state.having(name, changed), effects + tuple(more)
+        return state, effects
+
+    def ticking(self, state: State) -> bool:
+        """Whether the view that is shown wants ticks."""
+        return self.views[state.view].ticking(state.of[state.view])
+
+    def link(self, state: State) -> str:
+        """The query of a link to what is shown."""
+        return urlencode({"view": state.view, **self.views[state.view].link(state.of[state.view])}, safe=",:.")
+
+    def keep(self, state: State) -> dict[str, Any]:
+        """What the browser keeps for its next visit; JSON."""
+        return {"dark": state.dark, **{name: dict(view.keep(state.of[name])) for name, view in self.views.items()}}
+
+
+def _mapping(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _ours(query: str, link: str) -> bool:
+    """Whether all of a link stands in a query; others may have added to it."""
+    return set(parse_qsl(link)) <= set(parse_qsl(query))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,9 +16,10 @@ from grasp_core.objects.asset import ObjectAsset, Part
 from grasp_core.planning.planner import Candidate, Plan
 from grasp_core.scene import Scene, place
 from grasp_core.simulation.recording import Recording
-from workbench.actions import Action
-from workbench.orders import Catalogue, OpenedScene, SceneRequest, Try
-from workbench.state import State
+from workbench.actions import Action, Effect, Tick
+from workbench.inspector.orders import Catalogue, OpenedScene, SceneRequest, Try
+from workbench.inspector.state import State
+from workbench.state import Shell
 
 REQUEST = SceneRequest(family="box_", shape=3, pose=0, place=1, planner="cascade")
 
@@ -98,6 +100,7 @@ class Handle:
     def __init__(self, kind: str, **properties):
         self.kind = kind
         self.handlers = []
+        self.visible = True
         self._impl = SimpleNamespace(uuid="11111111-2222")
         self.__dict__.update(properties)
 
@@ -105,7 +108,7 @@ class Handle:
         self.handlers.append(handler)
         return handler
 
-    on_update = on_click = on_trigger = _add
+    on_update = on_click = on_trigger = on_upload = _add
 
 
 class Client:
@@ -116,6 +119,13 @@ class Client:
         self.notices = []
         self.gui = self.scene = self
         self.main_panel = SimpleNamespace(dock_left=lambda: None, set_width=lambda width: None)
+        self.kept: dict[str, str] = {}
+        self.local_storage = SimpleNamespace(set_item=self.kept.__setitem__)
+        self.files = []
+        self.themes = []
+        self._websock_interface = SimpleNamespace(
+            unregister_handler=lambda message: None, register_handler=lambda message, handler: None
+        )
 
     def _make(self, kind, **properties):
         handle = Handle(kind, **properties)
@@ -134,8 +144,17 @@ class Client:
     def add_html(self, content):
         return self._make("html", content=content)
 
-    def add_text(self, label, value):
+    def add_text(self, label, value, hint=None):
         return self._make("text", label=label, value=value)
+
+    def add_upload_button(self, label, *, mime_type, hint, icon):
+        return self._make("upload", label=label, mime_type=mime_type, value=None)
+
+    def configure_theme(self, **options):
+        self.themes.append(options)
+
+    def send_file_download(self, name, content, save_immediately):
+        self.files.append((name, content))
 
     def add_dropdown(self, label, options, *, initial_value, hint):
         return self._make("dropdown", label=label, options=options, value=initial_value)
@@ -171,6 +190,8 @@ class _Block:
 
 
 class _Panel:
+    visible = True
+
     def add_tab(self, label, icon):
         return _Block()
 
@@ -216,7 +237,7 @@ def posted() -> list[Action]:
 @pytest.fixture
 def bridge(client, posted):
     from workbench.bridge import Bridge
-    from workbench.screen import READERS
+    from workbench.inspector.view import READERS
 
     return Bridge(client, posted.append, READERS)
 
@@ -229,3 +250,78 @@ def attempt():
 @pytest.fixture
 def empty_scene() -> OpenedScene:
     return make_opened(0, reason="nothing stands on the table", quality=False)
+
+
+@dataclass(frozen=True)
+class Count(Action):
+    """The one action of the view below."""
+
+    by: int
+
+
+@dataclass(frozen=True)
+class Ring(Effect):
+    """Its one effect."""
+
+    loud: bool
+
+
+class Counter:
+    """The smallest view: it counts."""
+
+    name, label, actions = "count", "Count", Count
+    readers = {"count": lambda argument: Count(int(argument))}  # noqa: RUF012
+
+    def __init__(self, name="count"):
+        self.name = name
+        self.rung = []
+        self.readers = {} if name != "count" else self.readers
+
+    def first(self, kept):
+        return int(kept.get("value", 0))
+
+    def arrive(self, state, query, shown):
+        return (int(query["value"]), (Ring(shown),)) if "value" in query else (state, ())
+
+    def reduce(self, state, action):
+        return (state + 1, ()) if isinstance(action, Tick) else (state + action.by, (Ring(action.by > 5),))
+
+    def ticking(self, state):
+        return 0 < state < 5
+
+    def link(self, state):
+        return {"value": str(state)}
+
+    def keep(self, state):
+        return {"value": state}
+
+    def show(self, bridge, state):
+        self.shown = []
+        bridge.html(f"made {self.name}")
+        return SimpleNamespace(update=lambda old, new: self.shown.append((old, new)))
+
+    def perform(self, post, effect):
+        if isinstance(effect, Ring):
+            self.rung.append(effect)
+            return True
+        return False
+
+
+@pytest.fixture
+def counter():
+    return Counter()
+
+
+@pytest.fixture
+def shell(counter):
+    return Shell([counter, Counter("other")])
+
+
+@pytest.fixture
+def count():
+    return Count
+
+
+@pytest.fixture
+def ring():
+    return Ring

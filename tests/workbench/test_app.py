@@ -5,9 +5,10 @@ import time
 import pytest
 
 from grasp_core.dataset.store import DatasetStore
-from workbench import actions as a
+from workbench import actions as shell
 from workbench.app import Workbench
-from workbench.orders import SceneRequest
+from workbench.inspector import actions as a
+from workbench.inspector.orders import SceneRequest
 
 FIRST = SceneRequest("can", 0, 0, 1, "antipodal")
 
@@ -20,12 +21,12 @@ class Screen:
         self.notices = []
 
     def update(self, old, new):
-        self.state = new
+        self.state = new.of["inspect"]
 
     def perform(self, effect):
-        if isinstance(effect, a.Notice):
+        if isinstance(effect, shell.Notice):
             self.notices.append(effect)
-        return isinstance(effect, a.Notice)
+        return isinstance(effect, shell.Notice)
 
 
 def wait(condition, what, seconds=90):
@@ -44,10 +45,10 @@ def workbench(tmp_path_factory):
 
 @pytest.fixture
 def browser(workbench):
-    session, _ = workbench._sessions.claim(None)
+    session, _ = workbench._sessions.claim(None, {})
     screen = Screen()
     session.attach(screen)
-    workbench._perform(session, a.OpenScene(0, FIRST))
+    session.post(shell.Arrive(""))
     wait(lambda: screen.state is not None and screen.state.scene is not None, "the first plan")
     yield session, screen
     session.attach(None)
@@ -82,10 +83,10 @@ def test_what_cannot_be_made_is_reported(browser):
 
 def test_browsers_are_independent(workbench, browser):
     _, screen = browser
-    other, _ = workbench._sessions.claim(None)
+    other, _ = workbench._sessions.claim(None, {})
     second = Screen()
     other.attach(second)
-    workbench._perform(other, a.OpenScene(0, FIRST))
+    other.post(shell.Arrive(""))
     wait(lambda: second.state is not None and second.state.scene is not None, "the second browser's scene")
     other.post(a.Toggle("camera"))
     wait(lambda: "camera" not in second.state.shown, "the switch")
@@ -107,4 +108,4 @@ def test_a_worker_that_dies_is_reported_and_replaced(workbench, browser):
 
 def test_an_effect_that_nobody_does_is_an_error(workbench, browser):
     with pytest.raises(TypeError):
-        workbench._perform(browser[0], a.Effect())
+        workbench._perform(browser[0], shell.Effect())

@@ -1,28 +1,70 @@
-from dataclasses import replace
+import json
 
-from workbench.actions import Notice, RandomScene
-from workbench.screen import READERS, Screen
+import pytest
 
-
-def test_every_message_has_one_reader():
-    from workbench.panels import candidates_panel, scene_panel, trial_panel
-
-    assert len(READERS) == sum(len(part.READERS) for part in (candidates_panel, scene_panel, trial_panel))
+from workbench.actions import Download, Effect, Notice
+from workbench.screen import READERS, Screen, address, style
 
 
-def test_the_screen_shows_every_state(client, posted, catalogue, state, shown, empty_scene, attempt):
-    screen = Screen(client, posted.append, catalogue, state, "~/data")
+@pytest.fixture
+def screen(client, posted, shell):
+    return Screen(client, posted.append, shell, shell.first({}))
+
+
+def test_the_style_sheet_is_there():
+    assert style().startswith("<style>") and ".gw-list" in style()
+
+
+def test_views_are_made_once_and_updated_in_place(client, posted, shell, counter, screen):
     made = len(client.made)
-    states = [state, shown, replace(shown, selected=2), replace(shown, scene=empty_scene, selected=None), state]
-    old = None
-    for new in states:
-        screen.update(old, new)
-        old = new
-    assert len(client.made) == made, "handles are kept and updated in place"
-    assert posted == []
+    first = shell.first({})
+    second = first.having("count", 3)
+    screen.update(None, first)
+    screen.update(first, second)
+    assert counter.shown == [(None, 0), (0, 3)]
+    assert len(client.made) == made and posted == []
 
 
-def test_notices_are_shown_and_other_effects_left_alone(client, posted, catalogue, state):
-    screen = Screen(client, posted.append, catalogue, state, "~/data")
+def test_one_view_is_shown_at_a_time(client, shell, screen):
+    from dataclasses import replace
+
+    first = shell.first({})
+    screen.update(None, first)
+    frames = {handle.label: handle for handle in client.made if handle.kind == "add_frame"}
+    assert frames["/count"].visible and not frames["/other"].visible
+    screen.update(first, replace(first, view="other"))
+    assert frames["/other"].visible and not frames["/count"].visible
+    hidden = [handle for handle in client.made if handle.kind == "html" and not handle.visible]
+    assert [handle.content for handle in hidden] == ["made count"]
+    assert 'aria-selected="true"' in client.page() and "view:other" in client.page()
+
+
+def test_notices_are_shown_files_handed_out_and_other_effects_left_alone(client, screen):
     assert screen.perform(Notice("info", "Title", "Body")) and client.notices == [("Title", "Body")]
-    assert not screen.perform(RandomScene(1))
+    assert screen.perform(Download("a.html", b"x")) and client.files == [("a.html", b"x")]
+    assert not screen.perform(Effect())
+
+
+def test_the_browser_keeps_what_its_views_want_kept(client, shell, screen):
+    first = shell.first({})
+    screen.update(None, first.having("count", 7))
+    assert json.loads(client.kept["kept"]) == {"dark": True, "count": {"value": 7}, "other": {"value": 0}}
+
+
+def test_the_theme_follows(client, shell, screen):
+    from dataclasses import replace
+
+    first = shell.first({})
+    screen.update(None, first)
+    screen.update(first, replace(first, dark=False))
+    assert [theme["dark_mode"] for theme in client.themes] == [True, False]
+    assert 'data-theme="light"' in client.page()
+
+
+def test_the_address_is_escaped():
+    page = address('view=count&value="><script>')
+    assert "<script>" not in page and "&quot;&gt;" in page
+
+
+def test_the_verbs_of_the_shell():
+    assert set(READERS) == {"arrive", "view", "theme"}

@@ -26,18 +26,18 @@ class Screen:
 
 
 @pytest.fixture
-def session(shown):
-    return Session(TOKEN, shown, lambda: None)
+def session(shell):
+    return Session(TOKEN, shell, shell.first({}), lambda: None)
 
 
-def test_actions_wait_for_the_step(session, shown):
-    screen = Screen()
+def test_actions_wait_for_the_step(session, count, ring):
+    screen, before = Screen(), session.state
     session.attach(screen)
-    session.post(a.Select(1))
-    assert session.state is shown
+    session.post(count(10))
+    assert session.state is before
     effects, _ = session.step(0.0)
-    assert session.state.selected == 1
-    assert [type(effect) for effect in effects] == [a.RecordAttempt, a.RunTrial]
+    assert session.state.of["count"] == 10
+    assert effects == (ring(True),)
     assert len(screen.updates) == 1 and screen.updates[0][0] is None
 
 
@@ -49,17 +49,17 @@ def test_a_step_without_news_sends_nothing(session):
     assert len(screen.updates) == 1
 
 
-def test_a_new_screen_gets_everything(session):
+def test_a_new_screen_gets_everything(session, count):
     session.attach(Screen())
     session.step(0.0)
     session.attach(None)
-    session.post(a.Select(2))
+    session.post(count(20))
     session.step(1.0)
     screen = Screen()
     session.attach(screen)
     session.step(2.0)
     old, new = screen.updates[0]
-    assert old is None and new.selected == 2, "what happened meanwhile is there after a reload"
+    assert old is None and new.of["count"] == 20, "what happened meanwhile is there after a reload"
 
 
 def test_notices_go_to_the_screen_or_to_others_when_nobody_looks(session):
@@ -72,75 +72,78 @@ def test_notices_go_to_the_screen_or_to_others_when_nobody_looks(session):
     assert screen.notices == [a.Notice("info", "c", "d")]
 
 
-def test_frames_come_on_absolute_deadlines(session, attempt):
-    screen = Screen()
-    session.attach(screen)
-    session.post(a.Select(0))
-    session.post(a.Replayed(0, 0, attempt(0)))
+def test_ticks_come_on_absolute_deadlines(session, count):
+    session.post(count(1))
     now = 100.0
     _, due = session.step(now)
     first = due
-    for _count in range(1, 31):
+    for _count in range(2):
         _, due = session.step(due + 0.004)  # each wake is a little late
-    assert due == pytest.approx(first + 30 * module.FRAME)
-    assert session.state.playback.position == pytest.approx(1.0, abs=0.05)
-    _, due = session.step(now + 60)
-    assert due is None or not session.state.playback.playing
+    assert due == pytest.approx(first + 2 * module.FRAME)
+    assert session.state.of["count"] == 4
+    _, due = session.step(due)
+    assert session.state.of["count"] == 5
+    assert session.step(now + 60)[1] is None, "the view wants no more ticks"
 
 
-def test_posting_wakes():
+def test_posting_wakes(shell):
     woken = []
-    session = Session(TOKEN, None, lambda: woken.append(1))
-    session.post(a.AnotherPose())
+    session = Session(TOKEN, shell, shell.first({}), lambda: woken.append(1))
+    session.post(a.ToggleTheme())
     assert woken == [1]
 
 
 @pytest.fixture
-def sessions(shown):
-    return Sessions(lambda: shown, lambda: None)
+def sessions(shell):
+    return Sessions(shell, lambda: None)
+
+
+def test_what_a_browser_kept_is_taken_up(sessions):
+    session, _ = sessions.claim(None, {"count": {"value": 4}, "dark": False})
+    assert session.state.of["count"] == 4 and not session.state.dark
 
 
 def test_a_browser_that_comes_back_finds_its_session(sessions):
-    first, new = sessions.claim(None)
+    first, new = sessions.claim(None, {})
     assert new
     first.attach(None)
-    again, new = sessions.claim(first.token)
+    again, new = sessions.claim(first.token, {})
     assert again is first and not new
 
 
 def test_a_second_tab_gets_its_own(sessions):
-    first, _ = sessions.claim(None)
-    other, new = sessions.claim(first.token)
+    first, _ = sessions.claim(None, {})
+    other, new = sessions.claim(first.token, {})
     assert new and other is not first
 
 
 @pytest.mark.parametrize("token", ["", "x" * 32, "../../etc", "0" * 5000, TOKEN])
 def test_unknown_tokens_get_a_new_session(sessions, token):
-    session, new = sessions.claim(token)
+    session, new = sessions.claim(token, {})
     assert new and session.token != token
 
 
 def test_browsers_that_left_are_forgotten(sessions, monkeypatch):
-    first, _ = sessions.claim(None)
+    first, _ = sessions.claim(None, {})
     first.attach(None)
     monkeypatch.setattr(module, "KEEP", -1.0)
-    sessions.claim(None)
+    sessions.claim(None, {})
     assert first not in sessions.all()
 
 
 def test_not_all_browsers_that_left_are_remembered(sessions, monkeypatch):
     monkeypatch.setattr(module, "MOST", 3)
     for _ in range(6):
-        session, _ = sessions.claim(None)
+        session, _ = sessions.claim(None, {})
         session.attach(None)
         time.sleep(0.002)
-    sessions.claim(None)
+    sessions.claim(None, {})
     assert len(sessions.all()) == 4
 
 
 def test_claims_from_many_threads_are_distinct(sessions):
     found = []
-    threads = [threading.Thread(target=lambda: found.append(sessions.claim(TOKEN)[0])) for _ in range(20)]
+    threads = [threading.Thread(target=lambda: found.append(sessions.claim(TOKEN, {})[0])) for _ in range(20)]
     for thread in threads:
         thread.start()
     for thread in threads:

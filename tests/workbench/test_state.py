@@ -1,29 +1,62 @@
-from dataclasses import replace
+import pytest
 
-from workbench.state import Playback, State, TrialState
-
-
-def test_a_new_state_waits_for_its_first_scene(state):
-    assert state.opening and state.scene is None and state.candidates == ()
-    assert state.trial == TrialState()
+from workbench.actions import Action, Arrive, Notice, ShowView, Tick, ToggleTheme
+from workbench.state import Shell
 
 
-def test_the_candidates_are_the_plan_s(shown):
-    assert shown.candidates == shown.scene.plan.candidates
+def test_a_view_reduces_its_own_actions(shell, count, ring):
+    state, effects = shell.reduce(shell.first({}), count(9))
+    assert state.of == {"count": 9, "other": 0} and effects == (ring(True),)
 
 
-def test_a_playback_knows_how_long_it_is(attempt):
-    assert Playback(attempt(0)).duration == 2.0
-    assert Playback(attempt(0, recorded=False)).duration == 0.0
+def test_the_first_view_is_shown_unless_told_otherwise(shell):
+    state = shell.first({})
+    assert state.view == "count" and state.dark
+    assert shell.reduce(state, ShowView("other"))[0].view == "other"
+    assert shell.reduce(state, ShowView("none"))[0] is state
 
 
-def test_successes_are_counted(attempt):
-    trial = TrialState({0: attempt(0), 1: attempt(1, "SLIPPED"), 2: attempt(2)})
-    assert trial.successes == 2
+def test_what_a_browser_claims_to_have_kept_may_be_anything(shell):
+    for kept in ({"dark": "no"}, {"count": 5}, {"count": None}, {"count": [1]}):
+        assert shell.first(kept).of["count"] == 0 and shell.first(kept).dark
 
 
-def test_trials_are_kept_per_candidate(shown):
-    changed = shown.with_trial(1, TrialState(running=True))
-    assert changed.trials[1].running and shown.trials == {}
-    assert replace(changed, selected=1).trial.running and not changed.trial.running
-    assert isinstance(changed, State)
+def test_a_link_chooses_view_and_state(shell, ring):
+    state, effects = shell.reduce(shell.first({}), Arrive("view=other&value=3&fixedDpr=1"))
+    assert state.view == "other" and state.of == {"count": 3, "other": 3}
+    assert effects == (ring(False), ring(True))
+    assert shell.link(state) == "view=other&value=3"
+
+
+def test_a_reload_of_what_is_shown_changes_nothing(shell, count):
+    state, _ = shell.reduce(shell.first({}), Arrive(""))
+    state, _ = shell.reduce(state, count(2))
+    again, effects = shell.reduce(state, Arrive("view=count&value=2&fixedDpr=1"))
+    assert again.of is state.of and effects == ()
+
+
+def test_a_link_to_an_unknown_view_is_told(shell):
+    state, effects = shell.reduce(shell.first({}), Arrive("view=%3Cb%3E"))
+    assert state.view == "count" and effects[0].tone == "warning" and "<b>" in effects[0].body
+
+
+@pytest.mark.parametrize("query", ["x" * 9000, "=&&=%%%", "view=" + "&value" * 60])
+def test_nonsense_in_the_address_is_no_error(shell, query):
+    assert shell.reduce(shell.first({}), Arrive(query))[0].view == "count"
+
+
+def test_themes_notices_and_ticks(shell):
+    state = shell.first({})
+    assert not shell.reduce(state, ToggleTheme())[0].dark
+    notice = Notice("info", "a", "b")
+    assert shell.reduce(state, notice) == (state, (notice,))
+    assert shell.reduce(state, Tick(1.0))[0].of["count"] == 1
+
+
+def test_an_action_of_no_view_is_an_error(shell):
+    with pytest.raises(TypeError, match="Action"):
+        shell.reduce(shell.first({}), Action())
+
+
+def test_views_have_names_of_their_own(counter):
+    assert list(Shell([counter]).views) == ["count"]

@@ -1,0 +1,1 @@
+"""The inspector: what the planner sees and thinks, and what physics says of it."""

@@ -1,1 +1,0 @@
-"""What is drawn in the scene and the images."""
