@@ -17,6 +17,7 @@ from grasp_core.gripper import load_gripper
 from grasp_core.objects.parametric import FAMILIES
 from grasp_core.simulation.physics import load_physics
 from workbench import actions as a
+from workbench.curate.view import Curation
 from workbench.inspector import workshop
 from workbench.inspector.orders import Catalogue, SceneRequest
 from workbench.inspector.view import Inspector
@@ -65,7 +66,8 @@ class Workbench:
             self.dataset = (dataset or default_dataset(gripper, physics)).expanduser().resolve()
             self._ledger = Ledger(self.dataset, gripper, physics)
             self._ledger.check()
-            self._shell = Shell([Inspector(self._jobs, self._ledger, catalogue, first)])
+            self._curation = Curation(self._jobs, self.dataset, gripper)
+            self._shell = Shell([Inspector(self._jobs, self._ledger, catalogue, first), self._curation])
             self._sessions = Sessions(self._shell, self._woken.set)
             self._server, self.url = serve(host, port)
         except BaseException:
@@ -86,6 +88,7 @@ class Workbench:
         self._thread.join(5.0)
         self._server.stop()
         self._ledger.thread.shutdown(wait=True)
+        self._curation.close()
         self._jobs.close()
 
     def _connect(self, client: viser.ClientHandle) -> None:

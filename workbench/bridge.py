@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Literal
+from urllib.parse import unquote
 
 import numpy as np
 import viser
@@ -45,6 +46,18 @@ def read_message(value: str, readers: Mapping[str, Reader]) -> Action:
         raise GraspError(f"the page sent '{match[1]}' with a bad value; reload the page") from error
 
 
+def read_value(argument: str) -> tuple[str, str]:
+    """`key=value`, as `Bridge.onvalue` sends it → key and plain value.
+
+    Raises:
+        ValueError: anything else.
+    """
+    key, found, value = argument.partition("=")
+    if not found:
+        raise ValueError(argument)
+    return key, unquote(value, errors="strict").strip()
+
+
 class Section:
     """Widgets and scene nodes that are shown and hidden together.
 
@@ -58,6 +71,11 @@ class Section:
         self._shown = True
         self._handles: list[Any] = []
         self._hidden: list[Any] = []
+
+    @property
+    def shown(self) -> bool:
+        """Whether the section is shown."""
+        return self._shown
 
     def add(self, handle: Any) -> None:
         """Let a widget belong to this section."""
@@ -88,6 +106,7 @@ class Bridge:
         self._post = post
         self._readers = readers
         self._section: Section | None = None
+        self._within: Section | None = None
         self._limiter = Limiter(client)
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
@@ -128,11 +147,11 @@ class Bridge:
     @contextmanager
     def section(self, root: str) -> Iterator[Section]:
         """What is made inside belongs to one section; its scene nodes hang from `root`."""
-        self._section = Section(self.client, root)
+        self._section = self._within = Section(self.client, root)
         try:
             yield self._section
         finally:
-            self._section = None
+            self._section = self._within = None
 
     def node(self, name: str) -> str:
         """The full name of a scene node of this section."""
@@ -172,6 +191,12 @@ class Bridge:
     def onslide(self, verb: str, live: str = "") -> str:
         """Attributes for a range input that sends `verb:value` when let go; `live` is JavaScript for each movement."""
         return f'oninput="{live}" onchange="gwSend(\'{verb}:\'+this.value)"'
+
+    def onvalue(self, verb: str, key: str = "") -> str:
+        """An `onchange` attribute for a field or choice that sends `verb:key=value`, to be read with `read_value`."""
+        if not re.fullmatch(r"[a-z]+", verb) or not re.fullmatch(r"[a-z]*", key):
+            raise ValueError(f"no page message: {verb}:{key}")
+        return f"onchange=\"gwSend('{verb}:{key}='+encodeURIComponent(this.value).slice(0,3900))\""
 
     def loaded(self, expression: str) -> str:
         """HTML that sends the value of a JavaScript expression once it is on the page."""
@@ -298,10 +323,16 @@ class Bridge:
         return handle
 
     def command(self, label: str, hotkey: str | None, action: Callable[[], Action], description: str) -> None:
-        """An entry of the command palette (Ctrl+K), with a hotkey."""
+        """An entry of the command palette (Ctrl+K), with a hotkey; that of a section works while it is shown only."""
         key: Any = hotkey
+        within = self._within
         command = self.client.gui.add_command(label, hotkey=key, description=description)
-        command.on_trigger(self._guard(lambda _: self._post(action())))
+
+        def triggered(_: Any) -> None:
+            if within is None or within.shown:
+                self._post(action())
+
+        command.on_trigger(self._guard(triggered))
 
     def clickable(self, handle: Any, count: Callable[[], int], action: Callable[[int], Action]) -> None:
         """Clicks on one instance of a batched mesh become actions; impossible instances are refused.

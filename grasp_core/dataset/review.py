@@ -194,14 +194,23 @@ def _reviews(store: DatasetStore, where: str, value: int | str) -> list[Review]:
 def next_item(store: DatasetStore, review_id: int) -> Item | None:
     """The first sample of a review that is neither answered nor skipped; None at the end."""
     row = store.row(
-        "SELECT place, grasp, truth FROM review_items WHERE review = ? AND event IS NULL AND NOT skipped"
-        " ORDER BY place LIMIT 1",
+        "SELECT place FROM review_items WHERE review = ? AND event IS NULL AND NOT skipped ORDER BY place LIMIT 1",
         (review_id,),
     )
+    return None if row is None else item_at(store, review_id, row["place"])
+
+
+def item_at(store: DatasetStore, review_id: int, place: int) -> Item:
+    """The sample at a place of a review, answered or not.
+
+    Raises:
+        StoreError: no such review or place.
+    """
+    row = store.row("SELECT grasp, truth FROM review_items WHERE review = ? AND place = ?", (review_id, place))
     if row is None:
-        return None
+        raise StoreError(f"{store.path}: review {review_id} has no sample at place {place}")
     opinion = row["truth"] is not None or review(store, review_id).rule.choice == "opinions"
-    return Item(review_id, row["place"], row["grasp"], opinion)
+    return Item(review_id, place, row["grasp"], opinion)
 
 
 def answer(
