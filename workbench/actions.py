@@ -57,5 +57,10 @@ class ShowView(Action):
 
 
 @dataclass(frozen=True)
+class ShowKeys(Action, Effect):
+    """List every hotkey: as an action it passes straight through."""
+
+
+@dataclass(frozen=True)
 class ToggleTheme(Action):
     """From dark to light and back."""

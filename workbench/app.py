@@ -12,27 +12,25 @@ from typing import Any
 
 import viser
 
-from grasp_core import config
 from grasp_core.gripper import load_gripper
 from grasp_core.objects.parametric import FAMILIES
 from grasp_core.simulation.physics import load_physics
 from workbench import actions as a
 from workbench.curate.view import Curation
-from workbench.inspector import workshop
+from workbench.inspector.desk import Desk
 from workbench.inspector.orders import Catalogue, SceneRequest
 from workbench.inspector.view import Inspector
+from workbench.inspector.worker import scenes
 from workbench.jobs import Jobs
 from workbench.ledger import Ledger, default_dataset
 from workbench.screen import Screen
-from workbench.serving import serve
+from workbench.serving import is_loopback, serve
 from workbench.session import Session, Sessions
 from workbench.state import Shell
 
 log = logging.getLogger("workbench")
 
-ATTEMPTS = 5
-"""In a trial (the paper's number)."""
-FIRST = SceneRequest(family="toy_plane", shape=0, pose=0, place=1, planner="cascade")
+FIRST = SceneRequest()
 """What a new browser opens on."""
 _MOST_KEPT = 20_000
 """Characters that a browser may have kept for its return."""
@@ -58,20 +56,23 @@ class Workbench:
         self._woken = threading.Event()
         self._closing = False
         self._attached: dict[int, Session] = {}
-        self._jobs = Jobs(workshop.prepare, self._worker_lost)
+        self._planning = Jobs("planning", scenes.prepare, self._worker_lost)
+        self._physics = Jobs("physics", scenes.prepare, self._worker_lost)
         try:
             gripper, physics = load_gripper(), load_physics()
-            planners = tuple(sorted(config.shipped("planners"), key=lambda name: (name != first.planner, name)))
-            catalogue = Catalogue(tuple(sorted(FAMILIES)), planners, gripper, ATTEMPTS)
             self.dataset = (dataset or default_dataset(gripper, physics)).expanduser().resolve()
             self._ledger = Ledger(self.dataset, gripper, physics)
             self._ledger.check()
-            self._curation = Curation(self._jobs, self.dataset, gripper)
-            self._shell = Shell([Inspector(self._jobs, self._ledger, catalogue, first), self._curation])
+            self._desk = Desk(self._planning, self._physics, self._ledger, first)
+            self._curation = Curation(self._physics, self.dataset, gripper)
+            told = str(self.dataset).replace(str(Path.home()), "~", 1)
+            catalogue = Catalogue(tuple(sorted(FAMILIES)), told, is_loopback(host))
+            self._shell = Shell([Inspector(self._desk, catalogue, first), self._curation])
             self._sessions = Sessions(self._shell, self._woken.set)
             self._server, self.url = serve(host, port)
         except BaseException:
-            self._jobs.close()
+            self._planning.close()
+            self._physics.close()
             raise
         self._server.initial_camera.position = (0.5, -0.98, 0.76)
         self._server.initial_camera.look_at = (0.0, 0.0, 0.34)
@@ -89,7 +90,9 @@ class Workbench:
         self._server.stop()
         self._ledger.thread.shutdown(wait=True)
         self._curation.close()
-        self._jobs.close()
+        self._planning.close()
+        self._physics.close()
+        self._desk.close()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         try:
@@ -124,6 +127,7 @@ class Workbench:
                     effects, again = session.step(time.monotonic())
                     for effect in effects:
                         self._perform(session, effect)
+                    session.show()
                 except Exception as error:
                     log.exception("a step failed")
                     session.post(a.Notice("error", "Something went wrong here", f"{type(error).__name__}: {error}"))
@@ -132,7 +136,7 @@ class Workbench:
                     due = again if due is None else min(due, again)
 
     def _perform(self, session: Session, effect: a.Effect) -> None:
-        if isinstance(effect, a.Notice | a.Download):
+        if isinstance(effect, a.Notice | a.Download | a.ShowKeys):
             log.info("nobody is there to take %s", type(effect).__name__)
         elif not any(view.perform(session.post, effect) for view in self._shell.views.values()):
             raise TypeError(f"nobody does {type(effect).__name__}")

@@ -108,6 +108,7 @@ class Bridge:
         self._section: Section | None = None
         self._within: Section | None = None
         self._limiter = Limiter(client)
+        self._keys: list[tuple[str, str, str, Section | None]] = []
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
         self._inbox.on_update(self._guard(lambda _: self._received(self._inbox.value)))
@@ -125,6 +126,11 @@ class Bridge:
             f'<style>div:has(> div > div > p > label[for="{uuid}"]){{display:none}}</style>'
             f'<img src="data:," onerror="{text(send)}" hidden>'
         )
+
+    @property
+    def hotkeys(self) -> list[tuple[str, str, str]]:
+        """(key, name, description) of each command that has a key and works now."""
+        return [(key, name, told) for key, name, told, within in self._keys if within is None or within.shown]
 
     def _received(self, value: str) -> None:
         if value:
@@ -197,6 +203,10 @@ class Bridge:
         if not re.fullmatch(r"[a-z]+", verb) or not re.fullmatch(r"[a-z]*", key):
             raise ValueError(f"no page message: {verb}:{key}")
         return f"onchange=\"gwSend('{verb}:{key}='+encodeURIComponent(this.value).slice(0,3900))\""
+
+    def onchoice(self, verb: str) -> str:
+        """An attribute for a select that sends `verb:value` when another option is chosen."""
+        return f"onchange=\"gwSend('{verb}:'+this.value)\""
 
     def loaded(self, expression: str) -> str:
         """HTML that sends the value of a JavaScript expression once it is on the page."""
@@ -326,6 +336,10 @@ class Bridge:
         """An entry of the command palette (Ctrl+K), with a hotkey; that of a section works while it is shown only."""
         key: Any = hotkey
         within = self._within
+        if hotkey is not None:
+            taken = [key for key, _, _, section in self._keys if section in (None, within) or within is None]
+            assert hotkey not in taken, f"two commands have the key {hotkey}"
+            self._keys.append((hotkey, label, description, within))
         command = self.client.gui.add_command(label, hotkey=key, description=description)
 
         def triggered(_: Any) -> None:

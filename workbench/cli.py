@@ -28,6 +28,12 @@ class Arguments:
     """Wanted port; the next free one is taken when it is busy, 0 lets the system choose."""
     dataset: Path | None = None
     """Folder of the dataset that verdicts go to; by default the user's own."""
+    benchmark: bool = False
+    """Measure speed and memory in a headless Chromium, print the report, and end."""
+    json: bool = False
+    """Print the report of --benchmark as one JSON object."""
+    changes: int = 200
+    """Scenes that --benchmark opens to see whether the memory stays flat."""
     open: Annotated[bool, tyro.conf.arg(help="Open the browser (--no-open: only print the address).")] = True
 
 
@@ -40,6 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else 2
     logging.basicConfig(level=logging.WARNING, format="%(name)s: %(message)s")
+    if chosen.benchmark:
+        return _measure(chosen, debug)
     ended = threading.Event()
 
     def end(signum: int, frame: FrameType | None) -> None:
@@ -70,6 +78,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         webbrowser.open(workbench.url)
     ended.wait()
     workbench.close()
+    return 0
+
+
+def _measure(chosen: Arguments, debug: bool) -> int:
+    from dataclasses import asdict
+
+    from grasp_core.evaluation.machine import Watch, envelope, print_envelope
+    from workbench.benchmark import run
+
+    watch = Watch()
+    try:
+        if chosen.changes < 4:
+            raise GraspError(f"--changes must be at least 4, not {chosen.changes}")
+        result = run(chosen.changes)
+    except GraspError as error:
+        if debug:
+            raise
+        print(f"grasp-workbench: {error}", file=sys.stderr)
+        return 2
+    found = asdict(result)
+    lines = "\n".join(f"{name.replace('_', ' '):28s} {value}" for name, value in found.items())
+    print_envelope(envelope("workbench", 0, found, watch), json=chosen.json, text=lines)
     return 0
 
 

@@ -22,6 +22,10 @@ OBJECT = (205, 160, 105)
 TABLE = (52, 57, 64)
 FINGER = (84, 150, 230)
 FRAME = (150, 158, 170)
+UNKNOWN = (128, 136, 148)
+"""Of candidates that physics has said nothing of."""
+GHOST = (150, 130, 235)
+"""Of the attempt that another one is compared with."""
 FORCE = (255, 92, 170)
 """Of contact forces."""
 STAGES = ("#5aaaeb", "#7bc8a4", "#f2b134", "#c98bdb", "#e4857a", "#8d9db6", "#b5cf6b", "#e7969c")
@@ -54,19 +58,44 @@ def score_gradient() -> str:
 
 def depth_range(depth: NDArray[np.float32], valid: NDArray[np.bool_]) -> tuple[float, float]:
     """Nearest and farthest depth worth showing, metres (percentiles, so that single pixels do not set them)."""
-    if not valid.any():
+    values = depth[valid]
+    if not len(values):
         return 0.0, 1.0
-    near, far = (float(value) for value in np.percentile(depth[valid], [0.2, 99.5]))
+    near, far = (float(value) for value in np.percentile(values[:: max(1, len(values) // 10_000)], [0.2, 99.5]))
     return near, max(far, near + 0.01)
 
 
-def depth(values: NDArray[np.float32], valid: NDArray[np.bool_], near: float, far: float) -> NDArray[np.uint8]:
-    """Depth (H, W), metres → RGB (H, W, 3): near is bright; what was not measured is dark violet."""
+DEPTH_MAPS: dict[str, int] = {
+    "bone": cv2.COLORMAP_BONE,
+    "viridis": cv2.COLORMAP_VIRIDIS,
+    "turbo": cv2.COLORMAP_TURBO,
+    "ocean": cv2.COLORMAP_OCEAN,
+}
+"""Colour maps for depth."""
+UNMEASURED = (84, 32, 96)
+"""Of pixels without depth."""
+
+
+def depth(
+    values: NDArray[np.float32], valid: NDArray[np.bool_], near: float, far: float, name: str = "bone"
+) -> NDArray[np.uint8]:
+    """Depth (H, W), metres → RGB (H, W, 3): near is bright; what was not measured is violet."""
     grey = (np.clip((far - values) / (far - near), 0, 1) * 255).astype(np.uint8)
-    shown = cv2.cvtColor(cv2.applyColorMap(grey, cv2.COLORMAP_BONE), cv2.COLOR_BGR2RGB)
-    shown = (shown.astype(np.uint16) * 215 // 255 + 20).astype(np.uint8)
-    shown[~valid] = (52, 32, 64)
+    shown = _mapped(grey, name)
+    shown[~valid] = UNMEASURED
     return shown
+
+
+def _mapped(grey: NDArray[np.uint8], name: str) -> NDArray[np.uint8]:
+    known = DEPTH_MAPS.get(name, cv2.COLORMAP_BONE)
+    shown = cv2.cvtColor(cv2.applyColorMap(grey, known), cv2.COLOR_BGR2RGB)
+    return (shown.astype(np.uint16) * 215 // 255 + 20).astype(np.uint8)
+
+
+def depth_gradient(name: str) -> str:
+    """The depth colours as a CSS gradient, far at the left."""
+    row = _mapped(np.linspace(0, 255, 9).astype(np.uint8)[None], name)[0]
+    return f"linear-gradient(90deg,{','.join(css(colour) for colour in row)})"
 
 
 def heat_top(values: NDArray[np.float32]) -> float:

@@ -1,4 +1,4 @@
-"""The worker process: it runs planning and DART, so that the page never waits for them.
+"""Worker processes: they run planning and DART, so that the page never waits for them.
 
 A crash of the worker fails the jobs that were in it, is reported, and the worker is replaced at once.
 """
@@ -45,13 +45,18 @@ class Jobs:
     """One worker process that is always there.
 
     Args:
+        name: what the worker is for, for people.
         prepare: what the worker does first (imports, loading weights); a module-level function.
         on_lost: called with one line when the worker died and was replaced, from another thread.
     """
 
     def __init__(
-        self, prepare: Callable[[], None] | None = None, on_lost: Callable[[str], None] = lambda text: None
+        self,
+        name: str,
+        prepare: Callable[[], None] | None = None,
+        on_lost: Callable[[str], None] = lambda text: None,
     ) -> None:
+        self._name = name
         self._prepare = prepare
         self._on_lost = on_lost
         self._lock = threading.Lock()
@@ -114,8 +119,8 @@ class Jobs:
             self._pool = self._start()
             self._pool.submit(os.getpid)  # starts the process now, not with the next job
         broken.shutdown(wait=False)
-        log.warning("the worker process died and was replaced")
-        self._on_lost("The worker process died; a new one takes over.")
+        log.warning("the %s worker died and was replaced", self._name)
+        self._on_lost(f"The {self._name} worker died; a new one takes over.")
 
     def close(self) -> None:
         """End the worker; jobs that wait are dropped."""

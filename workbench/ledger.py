@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import hashlib
 import itertools
 import threading
 from collections.abc import Sequence
@@ -20,7 +21,8 @@ from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import MismatchError
 from grasp_core.gripper import Gripper
 from grasp_core.simulation.physics import Physics
-from workbench.inspector.orders import Judgement, OpenedScene, Try
+from workbench.inspector.orders import Choice, Judgement, OpenedScene, Try
+from workbench.inspector.setup import DEFAULT
 
 
 class Source(config.Settings):
@@ -97,34 +99,56 @@ class Ledger:
             folder, name=folder.name, gripper=self._gripper, physics=self._physics, recipe=Source()
         )
 
-    def record(self, opened: OpenedScene, index: int, judgement: Judgement, attempts: Sequence[Try]) -> LabelEvent:
+    def record(self, opened: OpenedScene, choice: Choice, judgement: Judgement, attempts: Sequence[Try]) -> LabelEvent:
         """Store a person's verdict on a candidate, with its scene, grasp and attempts where they are new.
+
+        Attempts with another noise than the shipped one are left out: they would count for the label.
 
         Raises:
             StoreError: it cannot be written.
-            MismatchError: the dataset was made with another gripper or physics.
+            MismatchError: the dataset, or the candidate, was made with another gripper or physics.
         """
-        with self._lock, self._open() as store:
-            placed = opened.scene.objects[0]
-            poses = [StoredPose(tuple(p.reshape(-1).tolist()), share) for p, share in opened.rests]
-            store.add_object(placed.asset, "train", poses)
-            request = opened.request
-            name = f"workbench_{placed.asset.name}_{request.pose}_{request.place}"
-            record = SceneRecord(
-                name, placed.asset.name, request.pose, request.place, opened.scene, opened.clean, (), ()
+        if opened.gripper.digest != self._gripper.digest:
+            raise MismatchError(
+                f"the dataset is for the gripper '{self._gripper.name}', not '{opened.gripper.name}'; plan with its own"
             )
+        with self._lock, self._open() as store:
+            placed, thing = opened.scene.objects[0], opened.request.things[0]
+            poses = [StoredPose(tuple(p.reshape(-1).tolist()), share) for p, share in opened.rests[0].poses]
+            store.add_object(placed.asset, "train", poses)
+            name = scene_name(opened)
+            clean = opened.sight.clean
+            assert clean is not None
+            record = SceneRecord(name, placed.asset.name, thing.pose, opened.request.place, opened.scene, clean, (), ())
             store.add_scene(record)
-            candidate = opened.plan.candidates[index]
+            candidate = opened.candidates(choice.side)[choice.index]
             who = person()
             grasp = store.add_grasp(store.scene_id(name), candidate.grasp, origin="planner")
             known = {row.seed for row in store.attempts(grasp)}
-            rows = [_row(attempt) for attempt in attempts if attempt.seed not in known]
+            usual = opened.setup.tries[1:] == DEFAULT.tries[1:]
+            rows = [_row(attempt) for attempt in attempts if usual and attempt.seed not in known]
             if rows:
                 store.add_attempts(grasp, rows, person=who, reason="tried in the workbench")
-            details = {"score": candidate.score, "planner": request.planner, "weights": opened.plan.weights}
+            plan = opened.sight.plans[choice.side]
+            details = {
+                "score": candidate.score,
+                "planner": opened.setup.planners[choice.side],
+                "weights": "" if plan is None else plan.weights,
+            }
             return store.add_label(
                 grasp, who, 1.0 if judgement == "good" else 0.0, reason="verdict in the workbench", details=details
             )
+
+
+def scene_name(opened: OpenedScene) -> str:
+    """The name that a scene of one object is stored under: the same wherever and whenever it is made."""
+    placed, thing = opened.scene.objects[0], opened.request.things[0]
+    name = f"workbench_{placed.asset.name}_{thing.pose}_{opened.request.place}"
+    usual = opened.setup.sees[:3] == DEFAULT.sees[:3]
+    if thing.at is None and usual:
+        return name
+    content = placed.world_from_object.tobytes() + repr(opened.setup.sees[:3]).encode()
+    return f"{name}_{hashlib.sha256(content).hexdigest()[:8]}"
 
 
 def _row(attempt: Try) -> AttemptRow:

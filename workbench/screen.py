@@ -8,7 +8,7 @@ from importlib import resources
 
 import viser
 
-from workbench.actions import Action, Arrive, Download, Effect, Notice, ShowView, ToggleTheme
+from workbench.actions import Action, Arrive, Download, Effect, Notice, ShowKeys, ShowView, ToggleTheme
 from workbench.bridge import Bridge, Post, Reader
 from workbench.casting import put, text
 from workbench.state import Shell, State
@@ -19,6 +19,7 @@ READERS: dict[str, Reader] = {
     "arrive": Arrive,
     "view": ShowView,
     "theme": lambda argument: ToggleTheme(),
+    "keys": lambda argument: ShowKeys(),
 }
 _ARRIVED = "location.search.slice(1)"
 """JavaScript: the query that the page was loaded with."""
@@ -64,10 +65,12 @@ class Screen:
                 self._sections[name] = section
                 bridge.command(f"View: {view.label}", None, _go(name), f"Change to the view {view.label}")
             bridge.command("Dark or light", "L", ToggleTheme, "Change the theme")
+            bridge.command("Hotkeys", "H", ShowKeys, "List every hotkey")
             gui.main_panel.dock_left()
             gui.main_panel.set_width(LEFT)
             bridge.html(bridge.loaded(f"'arrive:'+{_ARRIVED}"))
         self._kept = ""
+        self._arrivals = state.arrivals
 
     def update(self, old: State | None, new: State) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -83,7 +86,7 @@ class Screen:
             before = old.of[new.view] if old is not None and same else None
             if before is not new.of[new.view]:
                 self._parts[new.view].update(before, new.of[new.view])
-            if new.arrived is not None:
+            if new.arrivals > self._arrivals:  # before, the address is still to be read
                 put(self._address, content=address(self._shell.link(new)))
         kept = json.dumps(self._shell.keep(new))
         if kept != self._kept:
@@ -108,11 +111,28 @@ class Screen:
         )
         put(self._look, content=f'<i class="gw-theme" data-theme="{"dark" if dark else "light"}" hidden></i>')
 
+    def _show_keys(self) -> None:
+        rows = "".join(
+            f'<div title="{text(told)}"><kbd>{text(key)}</kbd>{text(name)}</div>'
+            for key, name, told in sorted(self._bridge.hotkeys, key=lambda row: row[1])
+        )
+        fly = "W A S D Q E and the arrows fly the camera; the mouse turns, pans and zooms it."
+        palette = "Ctrl+K lists every command. Hotkeys rest while a text field or a dropdown has the focus."
+        modal = self._client.gui.add_modal("Hotkeys")
+        with modal:
+            self._client.gui.add_html(
+                f'<div class="gw"><div class="gw-keylist">{rows}</div><p><small>{fly} {palette}</small></p></div>'
+            )
+            close = self._client.gui.add_button("Close")
+            close.on_click(lambda _: modal.close())
+
     def perform(self, effect: Effect) -> bool:
         """Show notices and hand out files; other effects are for others."""
         match effect:
             case Notice(tone, title, body):
                 self._bridge.notify(tone, title, body)
+            case ShowKeys():
+                self._show_keys()
             case Download(name, content):
                 self._client.send_file_download(name, content, save_immediately=True)
             case _:

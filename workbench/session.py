@@ -37,7 +37,7 @@ class Session:
 
     Attributes:
         token: that the browser keeps.
-        state: touched by `step` only.
+        state: touched by `step` and `show` only, on one thread.
         left: when the browser left, by the monotonic clock; None while it is there.
     """
 
@@ -51,6 +51,7 @@ class Session:
         self._screen: Screen | None = None
         self._new_screen: queue.SimpleQueue[Screen | None] = queue.SimpleQueue()
         self._next_frame: float | None = None
+        self._shown: State | None = None
 
     def post(self, action: Action) -> None:
         """Enqueue an action; from any thread."""
@@ -64,7 +65,7 @@ class Session:
         self._wake()
 
     def step(self, now: float) -> tuple[tuple[Effect, ...], float | None]:
-        """Drain the queue, reduce, update the screen.
+        """Drain the queue and reduce; `show` then brings it to the screen, so that work starts before it is drawn.
 
         Args:
             now: monotonic clock, seconds.
@@ -72,10 +73,9 @@ class Session:
         Returns:
             effects for others to do, and when to step again at the latest (None: when woken).
         """
-        old: State | None = self.state
         while not self._new_screen.empty():
             self._screen = self._new_screen.get()
-            old = None
+            self._shown = None
         effects: list[Effect] = []
         while not self._queue.empty():
             self.state, more = self._shell.reduce(self.state, self._queue.get())
@@ -89,10 +89,14 @@ class Session:
             effects.extend(more)
         elif not ticking:
             self._next_frame = None
-        if self._screen is not None and old is not self.state:
-            self._screen.update(old, self.state)
         rest = tuple(effect for effect in effects if self._screen is None or not self._screen.perform(effect))
         return rest, self._next_frame
+
+    def show(self) -> None:
+        """Bring the screen from what it shows to the state."""
+        if self._screen is not None and self._shown is not self.state:
+            before, self._shown = self._shown, self.state
+            self._screen.update(before, self.state)
 
 
 class Sessions:

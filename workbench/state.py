@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
-from workbench.actions import Action, Arrive, Effect, Notice, ShowView, Tick, ToggleTheme
+from workbench.actions import Action, Arrive, Effect, Notice, ShowKeys, ShowView, Tick, ToggleTheme
 from workbench.view import View
 
 Result = tuple["State", tuple[Effect, ...]]
@@ -21,13 +21,13 @@ class State:
         view: name of the view that is shown.
         dark: the theme.
         of: view → its state.
-        arrived: query that the page was last loaded with; None before the first load.
+        arrivals: how often a page was loaded.
     """
 
     view: str
     dark: bool
     of: Mapping[str, Any]
-    arrived: str | None = None
+    arrivals: int = 0
 
     def having(self, name: str, state: Any) -> State:
         """The same with another state of one view."""
@@ -54,7 +54,7 @@ class Shell:
     def reduce(self, state: State, action: Action) -> Result:
         """The next state and what has to be done; actions that no longer fit (late answers) change nothing."""
         match action:
-            case Notice():
+            case Notice() | ShowKeys():
                 return state, (action,)
             case ShowView(name):
                 return (replace(state, view=name) if name in self.views else state), ()
@@ -74,15 +74,16 @@ class Shell:
 
     def _arrive(self, state: State, query: str) -> Result:
         """Follow the link that a page was loaded under; a reload of what is shown changes nothing."""
-        if state.arrived is not None and _ours(query, self.link(state)):
-            return replace(state, arrived=query), ()
+        before, state = state.arrivals, replace(state, arrivals=state.arrivals + 1)
+        if before and _ours(query, self.link(state)):
+            return state, ()
         values = dict(parse_qsl(query, max_num_fields=64)) if len(query) < 8000 else {}
         wanted = values.get("view", "")
         effects: tuple[Effect, ...] = ()
         if wanted and wanted not in self.views:
             told = f"There is no view '{wanted[:40]}'; the views are: {', '.join(self.views)}."
             effects = (Notice("warning", "This link names an unknown view", told),)
-        state = replace(state, arrived=query, view=wanted if wanted in self.views else state.view)
+        state = replace(state, view=wanted if wanted in self.views else state.view)
         for name, view in self.views.items():
             changed, more = view.arrive(state.of[name], values, name == state.view)
             state, effects = state.having(name, changed), effects + tuple(more)

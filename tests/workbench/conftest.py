@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 import trimesh
 
-from grasp_core.camera import DepthImage
+from grasp_core.camera import DepthImage, canonical_camera
 from grasp_core.grasp import Grasp, to_image
 from grasp_core.gripper import load_gripper
 from grasp_core.objects.asset import ObjectAsset, Part
+from grasp_core.planning.places import PlaceScores
 from grasp_core.planning.planner import Candidate, Plan
 from grasp_core.scene import Scene, place
 from grasp_core.simulation.recording import Recording
 from workbench.actions import Action, Effect, Tick
-from workbench.inspector.orders import Catalogue, OpenedScene, SceneRequest, Try
+from workbench.inspector.orders import Catalogue, Choice, OpenedScene, Rest, SceneRequest, Sight, Thing, Try
+from workbench.inspector.setup import DEFAULT
 from workbench.inspector.state import State
 from workbench.state import Shell
 
-REQUEST = SceneRequest(family="box_", shape=3, pose=0, place=1, planner="cascade")
+REQUEST = SceneRequest((Thing("box_003"),), 1)
 
 
 def make_asset() -> ObjectAsset:
@@ -31,26 +33,22 @@ def make_asset() -> ObjectAsset:
     return ObjectAsset("box_003", "box_", part.vertices, part.faces, (part,), float(box.volume), inertia)
 
 
-def make_opened(candidates: int = 3, reason: str | None = None, quality: bool = True) -> OpenedScene:
-    rest = np.eye(4)
-    rest[2, 3] = 0.03
-    scene = Scene.single(make_asset(), place(rest, 0.01, 0.02, 0.3))
-    camera = scene.camera
+def make_plan(candidates: int = 3, reason: str | None = None, quality: bool = True, camera=None) -> Plan:
+    camera = camera or canonical_camera()
     depth = np.full((300, 300), 0.7, np.float32)
     depth[120:160, 110:200] = 0.64
-    image = DepthImage.from_array(depth, camera)
     found = []
     for index in range(candidates):
         grasp = Grasp((0.01 + 0.01 * index, 0.02, 0.03), 0.3 + np.pi / 2 - 0.2 * index, 0.08)
         found.append(Candidate(grasp, to_image(grasp, camera), 0.9 - 0.3 * index, 0.8 - 0.1 * index))
     heat = np.zeros((300, 300), np.float32)
     heat[130:150, 120:190] = 0.7 if quality else 0
-    plan = Plan(
+    return Plan(
         candidates=tuple(found),
-        canvas=image,
+        canvas=DepthImage.from_array(depth, camera),
         quality_map=heat,
         region=(150.0, 140.0, 25.0),
-        sampled=np.array([[150, 140], [155, 138]]),
+        sampled=np.array([[150.0, 140], [155, 138]]),
         scored=tuple(found),
         stages_ms={"rectify": 2.0, "regression": 8.0, "refined": 30.0},
         reason=reason,
@@ -58,7 +56,32 @@ def make_opened(candidates: int = 3, reason: str | None = None, quality: bool = 
         weights="test",
         missing=0.0,
     )
-    return OpenedScene(REQUEST, scene, 2, 0.75, ((rest, 0.75),), image, image, plan, {"render": 11.0})
+
+
+def make_sight(plans=None) -> Sight:
+    plans = plans or (make_plan(),)
+    crops = tuple(None if plan is None else np.zeros((len(plan.candidates), 48, 48), np.float32) for plan in plans)
+    failures = tuple("the weights are for another gripper" if plan is None else "" for plan in plans)
+    image = make_plan().canvas
+    return Sight(image, image, tuple(plans), failures, crops, 1.4, {"render": 11.0})
+
+
+def make_opened(candidates: int = 3, reason: str | None = None, quality: bool = True, setup=DEFAULT) -> OpenedScene:
+    rest = np.eye(4)
+    rest[2, 3] = 0.03
+    scene = Scene.single(make_asset(), place(rest, 0.01, 0.02, 0.3))
+    plans = tuple(make_plan(candidates, reason, quality) for _ in setup.planners)
+    rests = (Rest(((rest, 0.75), (rest, 0.25)), 0),)
+    return OpenedScene(REQUEST, setup, scene, rests, load_gripper(), make_sight(plans))
+
+
+def make_scores(u: float, v: float) -> PlaceScores:
+    camera = canonical_camera()
+    found = []
+    for index, angle in enumerate(np.arange(12) * np.pi / 12 - np.pi / 2):
+        grasp = Grasp((0.0, 0.0, 0.03), float(angle), 0.1)
+        found.append(Candidate(grasp, to_image(grasp, camera), index / 12))
+    return PlaceScores(u, v, 0.04, True, tuple(found), np.arange(12) % 3 > 0)
 
 
 def make_try(number: int = 0, outcome: str = "SUCCESS", recorded: bool = True) -> Try:
@@ -89,7 +112,7 @@ def make_try(number: int = 0, outcome: str = "SUCCESS", recorded: bool = True) -
         moved=(0.004, 0.1),
         dynamic=True,
         redraws=0,
-        evidence="{}",
+        evidence='{"words":"held to the end"}',
         recording=recording if recorded else None,
     )
 
@@ -101,6 +124,7 @@ class Handle:
         self.kind = kind
         self.handlers = []
         self.visible = True
+        self.label = None
         self._impl = SimpleNamespace(uuid="11111111-2222")
         self.__dict__.update(properties)
 
@@ -138,7 +162,16 @@ class Client:
         if not name.startswith("add_"):
             raise AttributeError(name)
         return lambda label=None, *args, **options: self._make(
-            name, **{"label": label, "args": args, "wxyz": None, "visible": True, "opacity": None, **options}
+            name,
+            **{
+                "label": label,
+                "args": args,
+                "wxyz": (1.0, 0, 0, 0),
+                "position": (0.0, 0, 0),
+                "visible": True,
+                "opacity": None,
+                **options,
+            },
         )
 
     def add_html(self, content):
@@ -157,7 +190,7 @@ class Client:
         self.files.append((name, content))
 
     def add_dropdown(self, label, options, *, initial_value, hint):
-        return self._make("dropdown", label=label, options=options, value=initial_value)
+        return self._make("dropdown", label=label, options=options, value=initial_value, disabled=False)
 
     def add_slider(self, label, *, min, max, step, initial_value, hint):
         return self._make("slider", label=label, min=min, max=max, step=step, value=initial_value, disabled=False)
@@ -167,6 +200,9 @@ class Client:
 
     def add_notification(self, title, body, **options):
         self.notices.append((title, body))
+
+    def add_modal(self, title):
+        return _Block()
 
     def atomic(self):
         return _Block()
@@ -209,7 +245,7 @@ def opened() -> OpenedScene:
 
 @pytest.fixture
 def catalogue() -> Catalogue:
-    return Catalogue(("box_", "mug", "pen"), ("cascade", "random"), load_gripper(), 5)
+    return Catalogue(("box", "mug", "pen"), "~/data/own")
 
 
 @pytest.fixture
@@ -221,7 +257,7 @@ def state(catalogue) -> State:
 def shown(state, opened):
     from dataclasses import replace
 
-    return replace(state, making=None, scene=opened, selected=0)
+    return replace(state, ticket=1, scene=opened, scene_ticket=1, choice=Choice(0, 0))
 
 
 @pytest.fixture
@@ -245,6 +281,26 @@ def bridge(client, posted):
 @pytest.fixture
 def attempt():
     return make_try
+
+
+@pytest.fixture
+def scores():
+    return make_scores
+
+
+@pytest.fixture
+def make_scene():
+    return make_opened
+
+
+@pytest.fixture
+def sight():
+    return make_sight
+
+
+@pytest.fixture
+def one_plan():
+    return make_plan
 
 
 @pytest.fixture

@@ -8,9 +8,10 @@ from grasp_core.dataset.store import DatasetStore
 from workbench import actions as shell
 from workbench.app import Workbench
 from workbench.inspector import actions as a
-from workbench.inspector.orders import SceneRequest
+from workbench.inspector.orders import Choice, SceneRequest, Thing
 
-FIRST = SceneRequest("can", 0, 0, 1, "antipodal")
+FIRST = SceneRequest((Thing("can_000"),), 1)
+BEST = Choice(0, 0)
 
 
 class Screen:
@@ -57,17 +58,17 @@ def browser(workbench):
 def test_the_first_scene_is_planned(workbench, browser):
     _, screen = browser
     assert workbench.url.startswith("http://127.0.0.1:")
-    assert screen.state.candidates and screen.state.selected == 0
+    assert screen.state.candidates and screen.state.choice == BEST
 
 
 def test_a_click_is_tried_replayed_judged_and_stored(workbench, browser):
     session, screen = browser
-    session.post(a.Select(0))
+    session.post(a.Select(BEST))
     wait(lambda: screen.state.trial.complete and screen.state.playback is not None, "the trial")
     assert screen.state.playback.attempt.recording is not None
     wait(lambda: screen.state.playback.position > 0.2, "the replay to move")
     session.post(a.Judge("good"))
-    wait(lambda: screen.state.verdicts == {0: "good"}, "the verdict")
+    wait(lambda: screen.state.verdicts == {BEST: "good"}, "the verdict")
     with DatasetStore.open(workbench.dataset, readonly=True) as store:
         event = store.events()[-1]
         assert (event.kind, event.value, event.source) == ("value", 1.0, "human")
@@ -76,7 +77,7 @@ def test_a_click_is_tried_replayed_judged_and_stored(workbench, browser):
 
 def test_what_cannot_be_made_is_reported(browser):
     session, screen = browser
-    session.post(a.UsePlanner("wishful"))
+    session.post(a.ShowObject("wishful_000"))
     wait(lambda: screen.state.failure is not None, "the failure")
     assert "wishful" in screen.state.failure and screen.notices[-1].tone == "error"
 
@@ -96,13 +97,13 @@ def test_browsers_are_independent(workbench, browser):
 def test_a_worker_that_dies_is_reported_and_replaced(workbench, browser):
     session, screen = browser
     found = []
-    workbench._jobs.submit(found.append, found.append, os.getpid)
+    workbench._physics.submit(found.append, found.append, os.getpid)
     wait(lambda: found, "the worker's number")
     os.kill(found[0], signal.SIGKILL)
-    session.post(a.Select(0))
+    session.post(a.Select(BEST))
     wait(lambda: screen.state.trial.failed or screen.state.trial.complete, "the trial's end")
     wait(lambda: any(notice.title == "Worker replaced" for notice in screen.notices), "the report")
-    session.post(a.Select(0))
+    session.post(a.Select(BEST))
     wait(lambda: screen.state.trial.complete, "the trial of the new worker")
 
 

@@ -7,6 +7,7 @@ from grasp_core.errors import GraspError
 from workbench.actions import Notice
 from workbench.bridge import read_message
 from workbench.inspector.actions import Judge, Seek, Select, ShowObject
+from workbench.inspector.orders import Choice
 from workbench.inspector.view import READERS
 
 
@@ -17,7 +18,7 @@ def fire(handle, **event):
 
 
 def test_messages_of_the_page_become_actions():
-    assert read_message("select:2:17", READERS) == Select(2)
+    assert read_message("select:0.2:17", READERS) == Select(Choice(0, 2))
     assert read_message("judge:good:17", READERS) == Judge("good")
 
 
@@ -32,11 +33,11 @@ def test_forged_messages_are_refused(value):
 
 def test_messages_arrive_through_the_hidden_text(bridge, client, posted):
     inbox = client.only("text")
-    inbox.value = "select:1:5"
+    inbox.value = "select:0.1:5"
     fire(inbox)
     inbox.value = "hello"
     fire(inbox)
-    assert posted[0] == Select(1)
+    assert posted[0] == Select(Choice(0, 1))
     assert isinstance(posted[1], Notice)
 
 

@@ -29,7 +29,7 @@ def test_near_is_bright_and_holes_are_apart():
     valid = np.array([[True, True, False]])
     picture = colours.depth(depth, valid, 0.6, 0.7)
     assert picture[0, 0].sum() > picture[0, 1].sum()
-    assert tuple(picture[0, 2]) == (52, 32, 64)
+    assert tuple(picture[0, 2]) == colours.UNMEASURED
 
 
 def test_single_pixels_do_not_set_the_range():
@@ -56,3 +56,9 @@ def test_the_colours_of_a_map_end_at_its_largest_value(largest, top):
 @pytest.mark.parametrize("value", [0, 128, 255])
 def test_lit_colours_are_deeper(value):
     assert colours.lit(np.array([value], np.uint8))[0] <= value
+
+
+def test_every_depth_map_has_its_gradient():
+    gradients = {colours.depth_gradient(name) for name in colours.DEPTH_MAPS}
+    assert len(gradients) == len(colours.DEPTH_MAPS)
+    assert all(gradient.count("#") == 9 for gradient in gradients)

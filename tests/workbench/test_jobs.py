@@ -35,7 +35,7 @@ def lost():
 
 @pytest.fixture(scope="module")
 def jobs(lost):
-    made = Jobs(on_lost=lost.append)
+    made = Jobs("testing", on_lost=lost.append)
     yield made
     made.close()
 
@@ -78,7 +78,7 @@ def test_ctrl_c_does_not_reach_the_worker(jobs):
 
 
 def test_closing_ends_the_worker():
-    jobs = Jobs()
+    jobs = Jobs("testing")
     worker = ask(jobs, os.getpid).wait().result
     jobs.close()
     deadline = time.monotonic() + 20

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from workbench.actions import Download, Effect, Notice
+from workbench.actions import Download, Effect, Notice, ShowKeys
 from workbench.screen import READERS, Screen, address, style
 
 
@@ -67,4 +67,9 @@ def test_the_address_is_escaped():
 
 
 def test_the_verbs_of_the_shell():
-    assert set(READERS) == {"arrive", "view", "theme"}
+    assert set(READERS) == {"arrive", "view", "theme", "keys"}
+
+
+def test_every_hotkey_is_listed(client, screen):
+    assert screen.perform(ShowKeys())
+    assert "<kbd>H</kbd>Hotkeys" in client.page() and "<kbd>L</kbd>Dark or light" in client.page()

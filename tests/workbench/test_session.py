@@ -25,6 +25,13 @@ class Screen:
         return False
 
 
+def step(session, now):
+    """What the app does on each tick."""
+    found = session.step(now)
+    session.show()
+    return found
+
+
 @pytest.fixture
 def session(shell):
     return Session(TOKEN, shell, shell.first({}), lambda: None)
@@ -35,7 +42,7 @@ def test_actions_wait_for_the_step(session, count, ring):
     session.attach(screen)
     session.post(count(10))
     assert session.state is before
-    effects, _ = session.step(0.0)
+    effects, _ = step(session, 0.0)
     assert session.state.of["count"] == 10
     assert effects == (ring(True),)
     assert len(screen.updates) == 1 and screen.updates[0][0] is None
@@ -44,46 +51,46 @@ def test_actions_wait_for_the_step(session, count, ring):
 def test_a_step_without_news_sends_nothing(session):
     screen = Screen()
     session.attach(screen)
-    session.step(0.0)
-    session.step(1.0)
+    step(session, 0.0)
+    step(session, 1.0)
     assert len(screen.updates) == 1
 
 
 def test_a_new_screen_gets_everything(session, count):
     session.attach(Screen())
-    session.step(0.0)
+    step(session, 0.0)
     session.attach(None)
     session.post(count(20))
-    session.step(1.0)
+    step(session, 1.0)
     screen = Screen()
     session.attach(screen)
-    session.step(2.0)
+    step(session, 2.0)
     old, new = screen.updates[0]
     assert old is None and new.of["count"] == 20, "what happened meanwhile is there after a reload"
 
 
 def test_notices_go_to_the_screen_or_to_others_when_nobody_looks(session):
     session.post(a.Notice("info", "a", "b"))
-    assert session.step(0.0)[0] == (a.Notice("info", "a", "b"),)
+    assert step(session, 0.0)[0] == (a.Notice("info", "a", "b"),)
     screen = Screen()
     session.attach(screen)
     session.post(a.Notice("info", "c", "d"))
-    assert session.step(1.0)[0] == ()
+    assert step(session, 1.0)[0] == ()
     assert screen.notices == [a.Notice("info", "c", "d")]
 
 
 def test_ticks_come_on_absolute_deadlines(session, count):
     session.post(count(1))
     now = 100.0
-    _, due = session.step(now)
+    _, due = step(session, now)
     first = due
     for _count in range(2):
-        _, due = session.step(due + 0.004)  # each wake is a little late
+        _, due = step(session, due + 0.004)  # each wake is a little late
     assert due == pytest.approx(first + 2 * module.FRAME)
     assert session.state.of["count"] == 4
-    _, due = session.step(due)
+    _, due = step(session, due)
     assert session.state.of["count"] == 5
-    assert session.step(now + 60)[1] is None, "the view wants no more ticks"
+    assert step(session, now + 60)[1] is None, "the view wants no more ticks"
 
 
 def test_posting_wakes(shell):

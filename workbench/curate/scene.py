@@ -12,20 +12,9 @@ from workbench import colours
 from workbench.bridge import Bridge
 from workbench.casting import plain, pose, put
 from workbench.curate.state import Playing, State
-from workbench.inspector.scene3d import fork, shaded
+from workbench.inspector.drawing import body_at, fork, shaded
 
 _MOST_OBJECTS = 8
-
-
-def frames_at(playing: Playing) -> tuple[int, int, float]:
-    """The recorded frames before and after the replay's position, and how far between them, 0 to 1."""
-    times = np.asarray(playing.played.recording.times, float)
-    if len(times) < 2:
-        return 0, 0, 0.0
-    times = times - times[0]
-    after = int(np.clip(np.searchsorted(times, playing.position), 1, len(times) - 1))
-    span = times[after] - times[after - 1]
-    return after - 1, after, float(np.clip((playing.position - times[after - 1]) / span, 0, 1)) if span > 0 else 1.0
 
 
 class SampleScene:
@@ -105,17 +94,11 @@ class SampleScene:
 
     def _show_frame(self, playing: Playing) -> None:
         recording = playing.played.recording
-        before, after, part = frames_at(playing)
         handles = {**self._parts, **{f"object_{slot}": handle for slot, handle in enumerate(self._objects)}}
         for body, name in enumerate(recording.names):
             if name in handles:
-                start, end = recording.poses[before, body], recording.poses[after, body]
-                turn = start[3:7] * (1 - part) + (end[3:7] if start[3:7] @ end[3:7] >= 0 else -end[3:7]) * part
-                put(
-                    handles[name],
-                    position=np.asarray(start[:3] * (1 - part) + end[:3] * part, float),
-                    wxyz=np.asarray(turn / np.linalg.norm(turn), float),
-                )
+                turn, place = body_at(recording, body, playing.position)
+                put(handles[name], wxyz=turn, position=place)
 
 
 def _place(handle: object, transform: NDArray[np.float64]) -> None:

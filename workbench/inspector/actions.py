@@ -1,11 +1,15 @@
-"""Everything that can happen in the inspector, as plain values."""
+"""What people do in the inspector, as plain values; what comes back from workers is in `answers`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Literal
 
-from workbench.actions import Action, Effect
-from workbench.inspector.orders import Judgement, Layer, OpenedScene, SceneRequest, Try
+from workbench.actions import Action
+from workbench.inspector.orders import Choice, Judgement
+from workbench.inspector.poses import Vector
+from workbench.inspector.shelf import Kind
+from workbench.inspector.state import Layer, Mark, Mode
 
 
 class InspectorAction(Action):
@@ -14,9 +18,9 @@ class InspectorAction(Action):
 
 @dataclass(frozen=True)
 class ShowObject(InspectorAction):
-    """Show an object of this family."""
+    """Show one object: of the catalogue, or an own mesh."""
 
-    family: str
+    name: str
 
 
 @dataclass(frozen=True)
@@ -28,44 +32,70 @@ class AnotherObject(InspectorAction):
 
 @dataclass(frozen=True)
 class AnotherPose(InspectorAction):
-    """The same object in its next stable pose."""
+    """The grabbed object in its next stable pose."""
 
 
 @dataclass(frozen=True)
 class RandomScene(InspectorAction):
-    """Any object, pose and place."""
+    """So many objects, any of them, in any pose and place."""
+
+    draw: int
+    count: int = 1
+
+
+@dataclass(frozen=True)
+class AddObject(InspectorAction):
+    """One more object on the table."""
 
     draw: int
 
 
 @dataclass(frozen=True)
-class UsePlanner(InspectorAction):
-    """Plan the same scene with another planner."""
+class Change(InspectorAction):
+    """Give a setting another value."""
 
     name: str
+    value: Any
 
 
 @dataclass(frozen=True)
-class Opened(InspectorAction):
-    """A scene that was asked for is there, planned."""
-
-    ticket: int
-    scene: OpenedScene
+class ResetSetup(InspectorAction):
+    """All settings as shipped."""
 
 
 @dataclass(frozen=True)
-class OpenFailed(InspectorAction):
-    """It could not be made."""
+class Grab(InspectorAction):
+    """Hold another object with the gizmo."""
 
-    ticket: int
-    reason: str
+    index: int
+
+
+@dataclass(frozen=True)
+class DragMode(InspectorAction):
+    """Slide objects on the table, or move and turn them freely; None: the other one of both."""
+
+    mode: Mode | None = None
+
+
+@dataclass(frozen=True)
+class Drag(InspectorAction):
+    """The gizmo moved the grabbed object here."""
+
+    at: Vector
+    ended: bool
+    now: float
+
+
+@dataclass(frozen=True)
+class Settle(InspectorAction):
+    """Let all objects go in DART."""
 
 
 @dataclass(frozen=True)
 class Select(InspectorAction):
-    """Select a candidate by its place in the list and try it in physics unless it was tried already."""
+    """Select a candidate and, unless it was tried already, try it in physics."""
 
-    index: int
+    choice: Choice
 
 
 @dataclass(frozen=True)
@@ -76,6 +106,28 @@ class SelectNext(InspectorAction):
 
 
 @dataclass(frozen=True)
+class LookAt(InspectorAction):
+    """Look at the plan of one of the planners."""
+
+    side: int
+
+
+@dataclass(frozen=True)
+class Filter(InspectorAction):
+    """Hide candidates with lower scores."""
+
+    least: float
+
+
+@dataclass(frozen=True)
+class AskPlace(InspectorAction):
+    """Ask why not here: a pixel of the canvas."""
+
+    u: float
+    v: float
+
+
+@dataclass(frozen=True)
 class ReplayAttempt(InspectorAction):
     """Show attempt `number` of the selected candidate's trial."""
 
@@ -83,30 +135,23 @@ class ReplayAttempt(InspectorAction):
 
 
 @dataclass(frozen=True)
-class Replayed(InspectorAction):
-    """One attempt was recorded."""
-
-    ticket: int
-    index: int
-    attempt: Try
+class TryAll(InspectorAction):
+    """Try every candidate of the plan that is looked at."""
 
 
 @dataclass(frozen=True)
-class Tried(InspectorAction):
-    """All attempts of a trial are known."""
-
-    ticket: int
-    index: int
-    attempts: tuple[Try, ...]
+class StopTrying(InspectorAction):
+    """Cancel that job."""
 
 
 @dataclass(frozen=True)
-class TrialFailed(InspectorAction):
-    """A trial could not be run."""
+class Pin(InspectorAction):
+    """Keep the attempt that is shown to compare others with; again: let it go."""
 
-    ticket: int
-    index: int
-    reason: str
+
+@dataclass(frozen=True)
+class SaveReplay(InspectorAction):
+    """Write the replay that is shown to one HTML file."""
 
 
 @dataclass(frozen=True)
@@ -136,29 +181,15 @@ class Speed(InspectorAction):
 
 
 @dataclass(frozen=True)
+class ToggleLoop(InspectorAction):
+    """Let replays start over at their end, or not."""
+
+
+@dataclass(frozen=True)
 class Judge(InspectorAction):
     """A person's verdict on the selected candidate."""
 
     judgement: Judgement
-
-
-@dataclass(frozen=True)
-class Judged(InspectorAction):
-    """The verdict is in the dataset, under this event."""
-
-    ticket: int
-    index: int
-    judgement: Judgement
-    event: int
-
-
-@dataclass(frozen=True)
-class JudgeFailed(InspectorAction):
-    """The verdict could not be stored."""
-
-    ticket: int
-    index: int
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -169,38 +200,83 @@ class Toggle(InspectorAction):
 
 
 @dataclass(frozen=True)
-class OpenScene(Effect):
-    """Make and plan a scene."""
+class ToggleMark(InspectorAction):
+    """Switch something on the image on or off."""
 
-    ticket: int
-    request: SceneRequest
-
-
-@dataclass(frozen=True)
-class RecordAttempt(Effect):
-    """Run one attempt of a candidate and record it; `number` counts from 0."""
-
-    ticket: int
-    scene: OpenedScene
-    index: int
-    number: int
+    what: Mark
 
 
 @dataclass(frozen=True)
-class RunTrial(Effect):
-    """Run all attempts of a candidate, unrecorded."""
+class ColourBy(InspectorAction):
+    """Colour candidates by score or by what physics said."""
 
-    ticket: int
-    scene: OpenedScene
-    index: int
+    what: Literal["score", "physics"]
 
 
 @dataclass(frozen=True)
-class StoreVerdict(Effect):
-    """Write a verdict to the dataset."""
+class Overlay(InspectorAction):
+    """Lay the quality map over the depth with this opacity."""
 
-    ticket: int
-    scene: OpenedScene
-    index: int
-    judgement: Judgement
-    attempts: tuple[Try, ...]
+    opacity: float
+
+
+@dataclass(frozen=True)
+class DepthColours(InspectorAction):
+    """Show depth in this colour map."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class DepthRange(InspectorAction):
+    """Let the depth colours run over this share of the image's depths, 0 to 1."""
+
+    near: float
+    far: float
+
+
+@dataclass(frozen=True)
+class OpenFile(InspectorAction):
+    """A browser uploads a file."""
+
+    kind: Kind
+    name: str
+    content: bytes
+
+
+@dataclass(frozen=True)
+class OpenFolder(InspectorAction):
+    """Open all files of a kind in a folder of the workbench's machine."""
+
+    kind: Kind
+    folder: str
+
+
+@dataclass(frozen=True)
+class MeshUnit(InspectorAction):
+    """What a number in meshes that are opened next means: m, mm, cm, or paper for 10-20 cm."""
+
+    unit: str
+
+
+@dataclass(frozen=True)
+class UseFile(InspectorAction):
+    """Show an own mesh or image, or use an own camera."""
+
+    key: str
+
+
+@dataclass(frozen=True)
+class NextPhoto(InspectorAction):
+    """Step so many images further through those that are open."""
+
+    by: int
+
+
+@dataclass(frozen=True)
+class ReadPhotosWith(InspectorAction):
+    """Read own images with this camera or these typed intrinsics, and in this unit."""
+
+    camera: str
+    typed: tuple[float, float, float, float] | None
+    scale: float

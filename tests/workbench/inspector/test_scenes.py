@@ -1,48 +1,58 @@
-from dataclasses import replace
+import pytest
 
 from workbench.inspector import scenes as module
+from workbench.inspector.orders import SceneRequest, Thing
 from workbench.inspector.scenes import Scenes
+from workbench.inspector.setup import DEFAULT
 
 
 class Jobs:
-    """Keeps what was asked for until it is answered."""
+    """Remembers what it was asked for; `finish` answers."""
 
     def __init__(self):
         self.asked = []
 
-    def submit(self, done, failed, work, request):
-        self.asked.append((done, failed, request))
+    def submit(self, done, failed, work, *args):
+        self.asked.append((done, failed, args))
 
 
-def test_a_scene_is_made_once_for_all_who_want_it(opened):
-    jobs = Jobs()
-    scenes, got = Scenes(jobs), []
+@pytest.fixture
+def jobs():
+    return Jobs()
+
+
+@pytest.fixture
+def scenes(jobs):
+    return Scenes(jobs, lambda: {"mesh-1": "/a"})
+
+
+def request(number):
+    return SceneRequest((Thing(f"mug_{number:03d}"),))
+
+
+def test_a_scene_is_made_once_for_all_who_want_it(scenes, jobs, opened):
+    got = []
     for _ in range(3):
-        scenes.open(opened.request, got.append, got.append)
-    assert len(jobs.asked) == 1
+        scenes.open(request(1), DEFAULT, got.append, got.append)
+    assert len(jobs.asked) == 1 and jobs.asked[0][2] == (request(1), DEFAULT, {"mesh-1": "/a"})
     jobs.asked[0][0](opened)
-    assert got == [opened] * 3
-    scenes.open(opened.request, got.append, got.append)
-    assert len(jobs.asked) == 1 and got == [opened] * 4
+    scenes.open(request(1), DEFAULT, got.append, got.append)
+    assert got == [opened] * 4 and len(jobs.asked) == 1
 
 
-def test_a_failure_reaches_all_and_is_not_remembered(opened):
-    jobs = Jobs()
-    scenes, got = Scenes(jobs), []
-    scenes.open(opened.request, got.append, got.append)
-    scenes.open(opened.request, got.append, got.append)
-    jobs.asked[0][1]("the worker died")
-    assert got == ["the worker died"] * 2
-    scenes.open(opened.request, got.append, got.append)
+def test_failures_reach_all_and_are_not_remembered(scenes, jobs):
+    got = []
+    scenes.open(request(1), DEFAULT, print, got.append)
+    scenes.open(request(1), DEFAULT, print, got.append)
+    jobs.asked[0][1]("no")
+    assert got == ["no", "no"]
+    scenes.open(request(1), DEFAULT, print, got.append)
     assert len(jobs.asked) == 2
 
 
-def test_only_so_many_are_kept(opened, monkeypatch):
-    monkeypatch.setattr(module, "MOST", 2)
-    jobs = Jobs()
-    scenes = Scenes(jobs)
-    for shape in range(3):
-        scenes.open(replace(opened.request, shape=shape), lambda scene: None, lambda reason: None)
+def test_old_scenes_are_forgotten(scenes, jobs, opened):
+    for number in range(module.MOST + 1):
+        scenes.open(request(number), DEFAULT, lambda scene: None, print)
         jobs.asked[-1][0](opened)
-    scenes.open(replace(opened.request, shape=0), lambda scene: None, lambda reason: None)
-    assert len(jobs.asked) == 4, "the oldest was forgotten"
+    scenes.open(request(0), DEFAULT, lambda scene: None, print)
+    assert len(jobs.asked) == module.MOST + 2

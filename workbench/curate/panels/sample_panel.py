@@ -126,9 +126,9 @@ def decision(state: State, bridge: Bridge) -> str:
     if state.item is None:
         shown = "–" if row.label is None else f"{row.label:g}"
         value = (
-            f'<div class="gw-bar gw-small">{bridge.button("− 0.1", "cnudge:-1", hint="lower the value (H)")}'
+            f'<div class="gw-bar gw-small">{bridge.button("− 0.1", "cnudge:-1", hint="lower the value (O)")}'
             f'<span class="gw-value">label <b data-label="{shown}">{shown}</b></span>'
-            f"{bridge.button('+ 0.1', 'cnudge:1', hint='raise the value (I)')}</div>"
+            f"{bridge.button('+ 0.1', 'cnudge:1', hint='raise the value (P)')}</div>"
         )
     return (
         f'<div class="gw-bar gw-decide">{buttons}</div>{value}<div class="gw-bar gw-below gw-small">{walk}</div>'
@@ -244,8 +244,8 @@ class SamplePanel:
             ("Verify in DART", "V", a.Verify(5)),
             ("Undo", "Z", a.TakeBack(redo=False)),
             ("Redo", "Y", a.TakeBack(redo=True)),
-            ("Lower the value", "H", a.Nudge(-STEP)),
-            ("Raise the value", "I", a.Nudge(STEP)),
+            ("Lower the value", "O", a.Nudge(-STEP)),
+            ("Raise the value", "P", a.Nudge(STEP)),
             ("Replay or pause", "T", a.TogglePlay()),
             ("Edit the rectangle", "R", a.Edit()),
             ("Store the edited rectangle", "5", a.EndEdit(store=True)),

@@ -1,1 +1,1 @@
-"""The panels of the control column."""
+"""The panels of the inspector's two columns."""

@@ -1,4 +1,4 @@
-"""The panel of the candidates: the sorted list, and where the planner's time went."""
+"""The panel of the candidates: the sorted list, trying all of them, and where the planner's time went."""
 
 from __future__ import annotations
 
@@ -6,12 +6,45 @@ import math
 from collections.abc import Mapping
 
 from workbench import colours
+from workbench.actions import Action
 from workbench.bridge import Bridge, Reader
 from workbench.casting import put, text
-from workbench.inspector.actions import Select
+from workbench.inspector import actions as a
+from workbench.inspector.images import tint
+from workbench.inspector.orders import Choice
 from workbench.inspector.state import State
 
-READERS: dict[str, Reader] = {"select": lambda argument: Select(int(argument))}
+
+def _choice(argument: str) -> Choice:
+    side, _, index = argument.partition(".")
+    if not (side.isdecimal() and index.isdecimal() and len(side) < 3 and len(index) < 6):
+        raise ValueError(argument)
+    return Choice(int(side), int(index))
+
+
+def _tint(argument: str) -> Action:
+    if argument == "score":
+        return a.ColourBy("score")
+    if argument == "physics":
+        return a.ColourBy("physics")
+    raise ValueError(argument)
+
+
+def _least(argument: str) -> Action:
+    value = float(argument)
+    if not 0 <= value <= 1:
+        raise ValueError(argument)
+    return a.Filter(value)
+
+
+READERS: dict[str, Reader] = {
+    "select": lambda argument: a.Select(_choice(argument)),
+    "look": lambda argument: a.LookAt(int(argument)),
+    "tryall": lambda argument: a.TryAll(),
+    "stop": lambda argument: a.StopTrying(),
+    "tint": _tint,
+    "least": _least,
+}
 
 
 def stages(times: Mapping[str, float]) -> str:
@@ -31,66 +64,101 @@ def stages(times: Mapping[str, float]) -> str:
     return f'<div class="gw-stages">{bar}</div><div class="gw-keys">{keys}<span>ms</span></div>'
 
 
-def listing(state: State, bridge: Bridge) -> str:
-    """The candidates, best first, with what physics said of those that were tried; HTML."""
-    opened = state.scene
-    if opened is None:
-        waiting = "The candidates come with the first plan." if state.failure is None else "There is no plan."
-        return f'<h3>Candidates</h3><div class="gw-empty">{waiting}</div>'
-    plan = opened.plan
-    if not plan.candidates:
-        reason = text(plan.reason or "the planner found no grasp")
-        told = f'<div class="gw-empty">No grasp: {reason}. Try another pose or object.</div>'
-        return f"<h3>Candidates <span>none in {plan.total_ms:.0f} ms</span></h3>{told}{stages(plan.stages_ms)}"
-    mapped = bool(plan.quality_map.any())
-    rows = []
-    for index, candidate in enumerate(plan.candidates):
-        trial = state.trials.get(index)
+_HEAD = "".join(
+    f'<th title="{hint}">{name}</th>'
+    for name, hint in (
+        ("#", "place, best first"), ("score", "Refined Network: probability that the grasp succeeds"),
+        ("heat", "quality map at the grasp"), ("φ", "angle of the closing axis about the vertical"),
+        ("w", "opening at approach, mm"), ("z", "height of the finger tips above the table, mm"),
+        ("DART", "successes / attempts in physics"), ("you", "your verdict"),
+    )
+)  # fmt: skip
+
+
+def rows(state: State, bridge: Bridge) -> str:
+    """The rows of the list that the filter lets through; HTML."""
+    plan = state.plan
+    mapped = plan is not None and bool(plan.quality_map.any())
+    made = []
+    for index in state.visible:
+        candidate, choice = state.candidates[index], Choice(state.side, index)
+        trial = state.trials.get(choice)
         tried = "·"
         if trial is not None and trial.attempts:
             good = trial.successes == len(trial.attempts)
-            colour = colours.css(
-                colours.OUTCOMES["SUCCESS" if good else "COLLISION" if not trial.successes else "SLIPPED"]
-            )
+            outcome = "SUCCESS" if good else "COLLISION" if not trial.successes else "SLIPPED"
+            colour = colours.css(colours.OUTCOMES[outcome])
             tried = f'<span style="color:{colour}">{trial.successes}/{len(trial.attempts)}</span>'
-        verdict = {"good": "✓", "bad": "✗"}.get(state.verdicts.get(index, ""), "")
-        click = bridge.onclick(f"select:{index}")
-        rows.append(
-            f'<tr class="gw-row{index}" data-candidate="{index}" {click}><td>{index + 1}</td>'
-            f'<td><b style="background:{colours.css(colours.score(candidate.score))}"></b>{candidate.score:.3f}</td>'
+        elif trial is not None and trial.running:
+            tried = '<i class="gw-spin"></i>'
+        verdict = {"good": "✓", "bad": "✗"}.get(state.verdicts.get(choice, ""), "")
+        made.append(
+            f'<tr class="gw-row{state.side}-{index}" data-candidate="{index}" '
+            f"{bridge.onclick(f'select:{state.side}.{index}')}><td>{index + 1}</td>"
+            f'<td><b style="background:{tint(state, choice, candidate.score)}"></b>{candidate.score:.3f}</td>'
             f"<td>{f'{candidate.heat:.2f}' if mapped else '–'}</td><td>{math.degrees(candidate.grasp.angle):.0f}°</td>"
             f"<td>{1000 * candidate.grasp.width:.0f}</td><td>{1000 * candidate.grasp.position[2]:.0f}</td>"
             f"<td>{tried}</td><td>{verdict}</td></tr>"
         )
-    head = "".join(
-        f'<th title="{hint}">{name}</th>'
-        for name, hint in (
-            ("#", "place, best first"), ("score", "Refined Network: probability that the grasp succeeds"),
-            ("heat", "quality map at the grasp"), ("φ", "angle of the closing axis about the vertical"),
-            ("w mm", "opening at approach"), ("z mm", "height of the finger tips above the table"),
-            ("DART", "successes / attempts in physics"), ("you", "your verdict"),
+    return "".join(made)
+
+
+def tools(state: State, bridge: Bridge) -> str:
+    """Filter, colours, and the job that tries all; HTML."""
+    sweep = state.sweep
+    if sweep is not None:
+        done = sweep.total - len(sweep.left) - (1 if state.trying else 0)
+        job = (
+            f'<div class="gw-progress" data-done="{done}"><i style="width:{100 * done / sweep.total:.0f}%"></i>'
+            f"<span>{done} of {sweep.total} tried</span></div>{bridge.button('Cancel', 'stop:', hint='stop trying')}"
+        )
+    else:
+        off = state.scene is None or not state.candidates or not state.scene.scene.objects
+        job = bridge.button(
+            "Try all in DART", "tryall:", hint="every candidate's trial, one after the other (Y)", off=off
+        )
+    tints = "".join(
+        bridge.button(
+            label, f"tint:{what}", hint=hint, look="gw-on" if state.by_physics == on else "",
+            more=f'aria-pressed="{str(state.by_physics == on).lower()}"',
+        )
+        for what, label, hint, on in (
+            ("score", "score", "colour candidates by the planner's score", False),
+            ("physics", "DART", "colour candidates by what physics said", True),
         )
     )  # fmt: skip
+    return (
+        f'<div class="gw-bar gw-small">{job}</div><div class="gw-bar gw-small"><label title="hide lower scores">'
+        f'least score <input type="range" min="0" max="1" step="0.05" value="{state.least:g}" aria-label="least score" '
+        f"{bridge.onslide('least')}>{state.least:.2f}</label>"
+        f'<span class="gw-marks"><small>colour by</small>{tints}</span></div>'
+    )
+
+
+def listing(state: State, bridge: Bridge) -> str:
+    """The candidates, best first, with what physics said of those that were tried; HTML."""
+    opened, plan = state.scene, state.plan
+    if opened is None:
+        waiting = "The candidates come with the first plan." if state.failure is None else "There is no plan."
+        return f'<h3>Candidates</h3><div class="gw-empty">{waiting}</div>'
+    name = text(opened.setup.planners[state.side])
+    if plan is None:
+        failed = text(opened.sight.failures[state.side])
+        return f'<h3>Candidates <span>{name}</span></h3><div class="gw-error">{failed}</div>'
+    if not plan.candidates:
+        reason = text(plan.reason or "the planner found no grasp")
+        told = f'<div class="gw-empty">No grasp: {reason}. Move the object, or lower t under Settings.</div>'
+        return f"<h3>Candidates <span>{name}: none in {plan.total_ms:.0f} ms</span></h3>{told}{stages(plan.stages_ms)}"
+    hidden = len(plan.candidates) - len(state.visible)
+    count = f"{len(plan.candidates)} candidates" + (f", {hidden} hidden" if hidden else "")
     legend = (
-        '<div class="gw-legend"><span>score 0</span>'
+        '<div class="gw-legend"><span>0</span>'
         f'<i style="background:{colours.score_gradient()}"></i><span>1</span></div>'
     )
-    planned = f"{text(opened.request.planner)} in {plan.total_ms:.0f} ms"
     return (
-        f'<h3 title="J and K try the next and the previous one">{len(plan.candidates)} candidates <span>'
-        f"{planned}</span></h3>"
-        f'<div class="gw-list"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
-        f"{legend}{stages(plan.stages_ms)}"
-    )
-
-
-def selection(selected: int | None) -> str:
-    """A style sheet that marks the selected candidate in list and image, so that neither is sent anew."""
-    if selected is None:
-        return "<style></style>"
-    return (
-        f"<style>.gw-c{selected} polygon{{stroke:#fff;stroke-width:1.4;stroke-opacity:1;fill:rgba(255,255,255,.12)}}"
-        f".gw-c{selected} path{{stroke:#fff;stroke-width:3}}.gw-list .gw-row{selected} td{{background:#2c4a66}}</style>"
+        f'<h3 title="J and K try the next and the previous one">{count} <span>{name} in {plan.total_ms:.0f} ms</span>'
+        f'</h3><div class="gw-list"><table><thead><tr>{_HEAD}</tr></thead><tbody>{rows(state, bridge)}</tbody></table>'
+        f"</div>{legend}{tools(state, bridge)}{stages(plan.stages_ms)}"
     )
 
 
@@ -99,16 +167,18 @@ class CandidatesPanel:
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
-        self._selection = bridge.html("<style></style>")
         self._list = bridge.html()
+        bridge.command("Try all candidates", "Y", a.TryAll, "Every candidate's trial in DART, one after the other")
+        bridge.command("Stop trying", None, a.StopTrying, "Cancel that job")
 
     def update(self, old: State | None, new: State) -> None:
         """Show `new`."""
-        put(self._selection, content=selection(new.selected))
-        if old is None or (old.scene, old.trials, old.verdicts, old.failure) != (
-            new.scene,
-            new.trials,
-            new.verdicts,
-            new.failure,
-        ):
+        if old is None or _listed(old) != _listed(new):
             put(self._list, content=f'<div class="gw" data-candidates="1">{listing(new, self._bridge)}</div>')
+
+
+def _listed(state: State) -> tuple[object, ...]:
+    return (
+        id(state.scene), state.trials, state.verdicts, state.failure, state.side, state.least, state.sweep,
+        state.by_physics,
+    )  # fmt: skip

@@ -1,28 +1,55 @@
-"""The panel of the scene: which object, how it lies, which planner."""
+"""The panel of the scene: which objects, how they lie, moving them, what is switched on."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from workbench.actions import Action
 from workbench.bridge import Bridge, Reader
 from workbench.casting import put, sentence, text
-from workbench.inspector.actions import AnotherObject, AnotherPose, RandomScene, ShowObject, Toggle, UsePlanner
+from workbench.inspector import actions as a
 from workbench.inspector.draws import draw
-from workbench.inspector.orders import LAYERS, Catalogue
-from workbench.inspector.state import State
+from workbench.inspector.orders import Catalogue
+from workbench.inspector.state import LAYERS, Layer, State
+
+OWN = "(own or several)"
+"""Stands in the dropdown of families where the scene is not one object of the catalogue."""
+_FACTS = "size; which stable pose, and the share of drops that end so; click: hold it with the gizmo"
+_LAYER_NAMES = {
+    "candidates": ("grasps", "all candidates as small grippers"),
+    "camera": ("camera", "the camera and what it sees"),
+    "contacts": ("forces", "contact forces during a replay"),
+    "frames": ("frames", "axes of world, camera and selected grasp: x red, y green, z blue"),
+    "grid": ("grid", "cells of 5 cm"),
+    "points": ("points", "what the camera measured, as points"),
+}
 
 
 def _layer(argument: str) -> Action:
     for layer in LAYERS:
         if layer == argument:
-            return Toggle(layer)
+            return a.Toggle(layer)
+    raise ValueError(argument)
+
+
+def _mode(argument: str) -> Action:
+    if argument == "slide":
+        return a.DragMode("slide")
+    if argument == "free":
+        return a.DragMode("free")
     raise ValueError(argument)
 
 
 READERS: dict[str, Reader] = {
-    "object": lambda argument: AnotherObject(draw()),
-    "pose": lambda argument: AnotherPose(),
+    "object": lambda argument: a.AnotherObject(draw()),
+    "pose": lambda argument: a.AnotherPose(),
+    "random": lambda argument: a.RandomScene(draw()),
+    "several": lambda argument: a.RandomScene(draw(), 3),
+    "add": lambda argument: a.AddObject(draw()),
+    "settle": lambda argument: a.Settle(),
+    "mode": _mode,
+    "grab": lambda argument: a.Grab(int(argument)),
     "show": _layer,
-    "random": lambda argument: RandomScene(draw()),
 }
 
 
@@ -31,73 +58,123 @@ def family_label(family: str) -> str:
     return family.replace("_", " ").strip()
 
 
+def family_of(state: State) -> str:
+    """The family that the scene is of, "" where it is not one object of the catalogue."""
+    things = state.request.things
+    family = things[0].name.rpartition("_")[0] if len(things) == 1 else ""
+    return family if family in state.catalogue.families else ""
+
+
 def layers(state: State, bridge: Bridge) -> str:
     """What is switched on in the scene, as buttons; HTML."""
-    names = {"candidates": "candidates", "camera": "camera", "contacts": "contact forces"}
     buttons = (
         bridge.button(
-            names[layer],
+            _LAYER_NAMES[layer][0],
             f"show:{layer}",
+            hint=_LAYER_NAMES[layer][1],
             look="gw-on" if layer in state.shown else "",
-            more=f'aria-pressed="{str(layer in state.shown).lower()}"',
+            more=f'data-layer="{layer}" aria-pressed="{str(layer in state.shown).lower()}"',
         )
         for layer in LAYERS
     )
-    return f'<div class="gw-bar gw-layers"><small>show</small>{"".join(buttons)}</div>'
+    return f'<div class="gw-bar gw-small">{"".join(buttons)}</div>'
 
 
-def facts(state: State) -> str:
+def moving(state: State, bridge: Bridge) -> str:
+    """How the gizmo moves objects, and letting them go; HTML."""
+    off = not state.request.things
+
+    def mode(name: str, label: str, hint: str) -> str:
+        on = state.mode == name
+        more = f'aria-pressed="{str(on).lower()}"'
+        return bridge.button(label, f"mode:{name}", hint=hint, look="gw-on" if on else "", off=off, more=more)
+
+    busy = '<span class="gw-spin"></span>' if state.settling else ""
+    settle = bridge.button(
+        f"{busy}Settle in DART",
+        "settle:",
+        hint="let all objects go until they rest (X)",
+        look="gw-main" if state.loose else "",
+        off=off or state.settling,
+    )
+    slide = mode("slide", "Slide", "drag the gizmo: along the table and about the vertical (V)")
+    free = mode("free", "Move freely", "drag the gizmo: anywhere, any turn; then let it settle (V)")
+    return f'<div class="gw-bar gw-small">{slide}{free}{settle}</div>'
+
+
+def facts(state: State, bridge: Bridge) -> str:
     """What is shown, in one or two short lines; HTML."""
-    if state.opening:
-        family = text(family_label(state.request.family))
-        doing = "Making and planning the first scene" if state.scene is None else f"Making and planning: {family}"
+    if state.opening and not state.dragging and (state.scene is None or state.live is None):
+        doing = "Making and planning the first scene" if state.scene is None else "Making and planning"
         return f'<span class="gw-spin"></span>{doing} …'
     if state.failure is not None:
         left = "" if state.scene is None else "<br><small>What is shown is the scene before.</small>"
         return f'<div class="gw-error">{text(sentence(state.failure))}{left}</div>'
     if state.scene is None:
         return ""
-    opened = state.scene
-    asset = opened.scene.objects[0].asset
-    size = " × ".join(f"{100 * side:.1f}" for side in asset.extents)
-    return (
-        f"<b>{text(asset.name)}</b> · {size} cm<br><small>stable pose {opened.request.pose + 1} of {opened.poses}"
-        f" (rests so in {100 * opened.probability:.0f} % of drops)</small>"
-    )
+    if state.request.photo is not None:
+        name = next((item.name for item in state.items if item.key == state.request.photo.key), "own image")
+        k = state.scene.sight.image.camera.intrinsics
+        return f"<b>{text(name)}</b> · {k.width} × {k.height} px<br><small>own depth image, no physics</small>"
+    lines = []
+    for index, (placed, rest) in enumerate(zip(state.scene.scene.objects, state.scene.rests, strict=True)):
+        size = " × ".join(f"{100 * side:.1f}" for side in placed.asset.extents)
+        if index < len(state.request.things) and state.request.things[index].loose:
+            how = "lifted or tipped: not at rest"
+        elif rest.pose is None:
+            how = "moved by hand"
+        else:
+            how = f"pose {rest.pose + 1} of {len(rest.poses)}, {100 * rest.poses[rest.pose][1]:.0f} %"
+        held = len(state.scene.scene.objects) > 1 and index == state.grabbed
+        look = ' class="gw-held"' if held else ""
+        lines.append(
+            f'<div{look} {bridge.onclick(f"grab:{index}")} title="{_FACTS}"><b>{text(placed.asset.name)}</b>'
+            f" · {size} cm · <small>{how}</small></div>"
+        )
+    return "".join(lines)
 
 
 class ScenePanel:
-    """Widgets that choose the scene."""
+    """Widgets that choose and move the scene."""
 
     def __init__(self, bridge: Bridge, catalogue: Catalogue, state: State) -> None:
         self._bridge = bridge
-        request = state.request
         self._names = {family_label(family): family for family in catalogue.families}
+        shown = family_label(family_of(state)) or OWN
         self._object = bridge.dropdown(
             "Object",
-            tuple(self._names),
-            family_label(request.family),
-            lambda label: ShowObject(self._names[label]),
+            (OWN, *self._names),
+            shown,
+            lambda label: a.ShowObject(f"{self._names[label]}_000") if label in self._names else a.RandomScene(draw()),
             "Families of household shapes made from parameters",
         )
         buttons = (
             bridge.button("Another object", "object:", hint="the next family, a new shape (O)"),
             bridge.button("Another pose", "pose:", hint="the same object, resting in another way (P)"),
-            bridge.button("Random scene", "random:", hint="any object, pose and place (R)"),
+            bridge.button("Random", "random:", hint="any object, pose and place (R)"),
+            bridge.button("Three", "several:", hint="three random objects"),
+            bridge.button("+", "add:", hint="one more object"),
         )
-        bridge.html(f'<div class="gw"><div class="gw-bar">{"".join(buttons)}</div></div>')
+        bridge.html(f'<div class="gw"><div class="gw-bar gw-small">{"".join(buttons)}</div></div>')
         self._facts = bridge.html()
-        self._planner = bridge.dropdown(
-            "Planner", catalogue.planners, request.planner, UsePlanner, "What plans the grasps from the depth image"
-        )
-        bridge.command("Another object", "O", lambda: AnotherObject(draw()), "The next family, a new shape")
-        bridge.command("Another pose", "P", AnotherPose, "The same object, resting in another way")
-        bridge.command("Random scene", "R", lambda: RandomScene(draw()), "Any object, pose and place")
-        bridge.command("Show or hide the candidates", None, lambda: Toggle("candidates"), "The grippers in the scene")
+        self._switches = bridge.html()
+        bridge.command("Another object", "O", lambda: a.AnotherObject(draw()), "The next family, a new shape")
+        bridge.command("Another pose", "P", a.AnotherPose, "The same object, resting in another way")
+        bridge.command("Random scene", "R", lambda: a.RandomScene(draw()), "Any object, pose and place")
+        bridge.command("Three random objects", None, lambda: a.RandomScene(draw(), 3), "Several objects on the table")
+        bridge.command("Add an object", None, lambda: a.AddObject(draw()), "One more on the table")
+        bridge.command("Slide or move freely", "V", a.DragMode, "How the gizmo moves objects")
+        bridge.command("Settle in DART", "X", a.Settle, "Let all objects go until they rest")
+        for layer in LAYERS:
+            name, hint = _LAYER_NAMES[layer]
+            bridge.command(f"Show or hide: {name}", None, _toggle(layer), hint)
 
     def update(self, old: State | None, new: State) -> None:
         """Show `new`."""
-        put(self._object, value=family_label(new.request.family))
-        put(self._planner, value=new.request.planner)
-        told = f'<div class="gw-facts" data-facts="1">{facts(new)}</div>'
-        put(self._facts, content=f'<div class="gw">{told}{layers(new, self._bridge)}</div>')
+        put(self._object, value=family_label(family_of(new)) or OWN)
+        put(self._facts, content=f'<div class="gw"><div class="gw-facts">{facts(new, self._bridge)}</div></div>')
+        put(self._switches, content=f'<div class="gw">{moving(new, self._bridge)}{layers(new, self._bridge)}</div>')
+
+
+def _toggle(layer: Layer) -> Callable[[], Action]:
+    return lambda: a.Toggle(layer)

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
+import msgspec
+
+from grasp_core.simulation.evidence import Evidence, millimetres
 from workbench import colours
 from workbench.bridge import Bridge, Reader
 from workbench.casting import put, sentence, text
-from workbench.inspector.actions import Judge, ReplayAttempt, Seek, Select, SelectNext, Speed, Step, TogglePlay
-from workbench.inspector.orders import Judgement
-from workbench.inspector.reducers import SPEEDS
+from workbench.inspector import actions as a
+from workbench.inspector.orders import Choice, Judgement, Try
+from workbench.inspector.rules.replay import SPEEDS
+from workbench.inspector.rules.trials import storable
 from workbench.inspector.state import State
 
 _TO_START = (
@@ -16,75 +22,141 @@ _TO_START = (
 _JUDGEMENTS: dict[str, Judgement] = {"good": "good", "bad": "bad"}
 
 
-def _judge(argument: str) -> Judge:
+def _judge(argument: str) -> a.Judge:
     if argument not in _JUDGEMENTS:
         raise ValueError(argument)
-    return Judge(_JUDGEMENTS[argument])
+    return a.Judge(_JUDGEMENTS[argument])
 
 
 READERS: dict[str, Reader] = {
-    "attempt": lambda argument: ReplayAttempt(int(argument)),
-    "toggle": lambda argument: TogglePlay(),
-    "restart": lambda argument: Seek(0.0),
-    "step": lambda argument: Step(max(-30, min(30, int(argument)))),
-    "speed": lambda argument: Speed(float(argument)),
+    "attempt": lambda argument: a.ReplayAttempt(int(argument)),
+    "toggle": lambda argument: a.TogglePlay(),
+    "restart": lambda argument: a.Seek(0.0),
+    "step": lambda argument: a.Step(max(-30, min(30, int(argument)))),
+    "speed": lambda argument: a.Speed(float(argument)),
+    "loop": lambda argument: a.ToggleLoop(),
+    "pin": lambda argument: a.Pin(),
+    "save": lambda argument: a.SaveReplay(),
     "judge": _judge,
 }
 
 
-def verdict_of_physics(state: State, attempts: int, bridge: Bridge) -> str:
-    """What happened in the attempt that is shown and in the others; HTML."""
-    if state.selected is None:
-        return '<div class="gw-empty">No candidate to try.</div>'
-    trial, playback = state.trial, state.playback
-    if trial.failed is not None:
-        return f'<div class="gw-error">{text(sentence(trial.failed))}</div>'
-    busy = trial.running or state.waiting is not None
-    if playback is None and not busy:
-        chosen = state.selected
-        go = bridge.button(f"Try candidate {chosen + 1}", f"select:{chosen}", look="gw-main")
-        return (
-            f'<div class="gw-empty">Click a candidate (list, image or scene) to try it in physics: {attempts} attempts'
-            f' with placement noise, the first one replayed here.<div class="gw-bar gw-below">{go}</div></div>'
-        )
-    if playback is None:
-        return (
-            f'<div class="gw-words"><span class="gw-spin"></span>Candidate {state.selected + 1} is being tried …</div>'
-        )
-    shown = playback.attempt
-    colour = colours.css(colours.OUTCOMES.get(shown.outcome, (150, 150, 150)))
-    chips = []
-    for number in range(attempts):
-        known = trial.attempts.get(number)
-        back = "#39414c" if known is None else colours.css(colours.OUTCOMES.get(known.outcome, (150, 150, 150)))
+def _colour(outcome: str) -> str:
+    return colours.css(colours.OUTCOMES.get(outcome, colours.UNKNOWN))
+
+
+def evidence(attempt: Try) -> str:
+    """What stands behind an outcome, in short lines; HTML."""
+    if attempt.evidence is None:
+        return "<small>settled by the height map: the physics engine was not needed</small>"
+    found = msgspec.json.decode(attempt.evidence, type=Evidence)
+    parts = [f"lift {millimetres(found.lift)}"]
+    if attempt.moved is not None:
+        parts.append(f"moved in the grip {millimetres(attempt.moved[0])}, {math.degrees(attempt.moved[1]):.0f}°")
+    for name, contact in (("left", found.left), ("right", found.right)):
+        if contact is not None:
+            parts.append(f"{name} finger: {contact.kind}, {contact.force:.0f} N")
+    if found.clearance is not None:
+        parts.append(f"{millimetres(found.clearance)} above the table at the end")
+    return f"<small>{text(' · '.join(parts))}</small>"
+
+
+def chips(state: State, bridge: Bridge) -> str:
+    """One button an attempt; HTML."""
+    shown = None if state.playback is None else state.playback.attempt.number
+    made = []
+    for number in range(state.setup.attempts):
+        known = state.trial.attempts.get(number)
+        back = "var(--gw-unknown)" if known is None else _colour(known.outcome)
         hint = f"attempt {number + 1}: " + ("not known yet" if known is None else f"{known.outcome}, replay it")
-        chips.append(
+        made.append(
             bridge.button(
                 str(number + 1),
                 f"attempt:{number}",
                 hint=hint,
-                look="gw-try gw-on" if number == shown.number else "gw-try",
+                look="gw-try gw-on" if number == shown else "gw-try",
                 style=f"background:{back}",
                 more=f'data-attempt="{number}"',
             )
         )
-    said = f"{trial.successes} / {len(trial.attempts)} succeeded" if trial.complete else '<i class="gw-spin"></i>'
+    return "".join(made)
+
+
+def against(state: State) -> str:
+    """Successes / attempts beside the predicted score; HTML."""
+    trial, candidate = state.trial, state.candidate
+    if not trial.complete or candidate is None:
+        return '<i class="gw-spin"></i>'
     return (
-        f'<span class="gw-badge" data-outcome="{text(shown.outcome)}" style="background:{colour}">{text(shown.outcome)}'
-        f"</span> <small>attempt {shown.number + 1} of candidate {state.selected + 1}</small>"
-        f'<div class="gw-words" data-words="1">{text(sentence(shown.words))}</div>'
-        f'<div class="gw-tries"><small>attempts</small>{"".join(chips)}<span>{said}</span></div>'
+        f'<b data-successes="{trial.successes}">{trial.successes} / {len(trial.attempts)}</b> succeeded'
+        f"<small>, predicted {candidate.score:.2f}</small>"
     )
 
 
+def verdict_of_physics(state: State, bridge: Bridge) -> str:
+    """What happened in the attempt that is shown and in the others; HTML."""
+    if state.choice is None:
+        return '<div class="gw-empty">No candidate to try.</div>'
+    if state.scene is not None and not state.scene.scene.objects:
+        return '<div class="gw-empty">An own image shows no objects that physics could try.</div>'
+    trial, playback, setup = state.trial, state.playback, state.setup
+    if trial.failed is not None:
+        return f'<div class="gw-error">{text(sentence(trial.failed))}</div>'
+    busy = trial.running or state.waiting is not None
+    noise = f"σ_p {1000 * setup.sigma_p:g} mm, σ_φ {setup.sigma_phi:g}°"
+    if playback is None and not busy:
+        chosen = state.choice
+        go = bridge.button(f"Try candidate {chosen.index + 1}", f"select:{chosen.side}.{chosen.index}", look="gw-main")
+        known = f'<div class="gw-tries"><span>{against(state)}</span></div>' if trial.complete else ""
+        return (
+            f'<div class="gw-empty">Click a candidate (list, image or scene) to try it in physics: × {setup.attempts}'
+            f' with noise ({noise}), the first one replayed here.{known}<div class="gw-bar gw-below">{go}</div></div>'
+        )
+    if playback is None:
+        return (
+            f'<div class="gw-words"><span class="gw-spin"></span>Candidate {state.choice.index + 1} is being tried …'
+            "</div>"
+        )
+    shown = playback.attempt
+    return (
+        f'<span class="gw-badge" data-outcome="{text(shown.outcome)}" style="background:{_colour(shown.outcome)}">'
+        f"{text(shown.outcome)}</span> <small>attempt {shown.number + 1} of candidate {state.choice.index + 1}</small>"
+        f'<div class="gw-words" data-words="1">{text(sentence(shown.words))}<br>{evidence(shown)}</div>'
+        f'<div class="gw-tries"><small title="with noise: {noise}">× {setup.attempts}</small>{chips(state, bridge)}'
+        f"<span>{against(state)}</span></div>"
+    )
+
+
+def compared(state: State) -> str:
+    """The pinned attempt beside the one that is shown; HTML."""
+    pinned, playback = state.pinned, state.playback
+    if pinned is None:
+        return ""
+
+    def column(name: str, choice: Choice, score: float | None, attempt: Try) -> str:
+        predicted = "" if score is None else f", score {score:.2f}"
+        return (
+            f"<div><h4>{name}: candidate {choice.index + 1}, attempt {attempt.number + 1}{predicted}</h4><span "
+            f'class="gw-badge" style="background:{_colour(attempt.outcome)}">{text(attempt.outcome)}</span> '
+            f"{text(sentence(attempt.words))}<br>{evidence(attempt)}</div>"
+        )
+
+    second = '<div><div class="gw-empty">Click another candidate or attempt to compare.</div></div>'
+    if playback is not None and playback.attempt is not pinned.attempt:
+        score = None if state.candidate is None else state.candidate.score
+        second = column("B", playback.choice, score, playback.attempt)
+    first = column("A (pale)", pinned.choice, pinned.score, pinned.attempt)
+    return f'<div class="gw-compare" data-compare="1">{first}{second}</div>'
+
+
 def player(state: State, bridge: Bridge) -> str:
-    """Play, pause, steps and speed; HTML."""
+    """Play, pause, steps, speed, loop, compare and save; HTML."""
     playback = state.playback
     off = playback is None
     playing = playback is not None and playback.playing
     moves = (
         bridge.button(_TO_START, "restart:", hint="to the start", off=off),
-        bridge.button("‹", "step:-1", hint="one frame back", off=off),
+        bridge.button("‹", "step:-1", hint="one frame back (N)", off=off),
         bridge.button(
             "❚❚ Pause" if playing else "▶ Play",
             "toggle:",
@@ -94,24 +166,36 @@ def player(state: State, bridge: Bridge) -> str:
             off=off,
             more=f'data-playing="{str(playing).lower()}"',
         ),
-        bridge.button("›", "step:1", hint="one frame on", off=off),
-    )
-    speeds = (
+        bridge.button("›", "step:1", hint="one frame on (M)", off=off),
         bridge.button(
-            f"{factor:g}×",
-            f"speed:{factor:g}",
-            hint=f"{factor:g} times real time",
-            look="gw-on" if state.speed == factor else "",
-        )
+            "loop", "loop:", hint="start over at the end", look="gw-on" if state.loop else "",
+            more=f'aria-pressed="{str(state.loop).lower()}"',
+        ),
+    )  # fmt: skip
+    speeds = "".join(
+        f'<option value="{factor:g}"{" selected" if factor == state.speed else ""}>{factor:g}×</option>'
         for factor in SPEEDS
     )
-    return f'<div class="gw-bar">{"".join(moves)}</div><div class="gw-bar gw-below">{"".join(speeds)}</div>'
+    speed = f'<select aria-label="speed" title="times real time" {bridge.onchoice("speed")}>{speeds}</select>'
+    pinned = state.pinned is not None and playback is not None and state.pinned.attempt is playback.attempt
+    label = "Unpin A" if pinned else "Pin as A" if state.pinned is None else "Pin as A instead"
+    pin = bridge.button(label, "pin:", hint="keep this attempt to compare another one with it (C)", off=off)
+    saving = '<span class="gw-spin"></span>' if state.saving else ""
+    save = bridge.button(
+        f"{saving}Save as HTML", "save:", hint="the replay as one file that opens anywhere", off=off or state.saving
+    )
+    return (
+        f'<div class="gw-bar gw-small">{"".join(moves)}{speed}</div>'
+        f'<div class="gw-bar gw-small gw-below">{pin}{save}</div>'
+    )
 
 
-def verdict(state: State, dataset: str, bridge: Bridge) -> str:
+def verdict(state: State, bridge: Bridge) -> str:
     """The person's verdict on the selected candidate; HTML."""
-    given = None if state.selected is None else state.verdicts.get(state.selected)
-    off = state.selected is None or state.judging or state.trial.running
+    dataset = state.catalogue.dataset
+    given = None if state.choice is None else state.verdicts.get(state.choice)
+    fits = storable(state)
+    off = state.choice is None or state.judging or state.trial.running or not fits
 
     def button(kind: Judgement, label: str) -> str:
         look = f"gw-{kind} gw-on" if given == kind else f"gw-{kind}"
@@ -122,7 +206,9 @@ def verdict(state: State, dataset: str, bridge: Bridge) -> str:
         told = '<span class="gw-spin"></span>storing …'
     elif given is not None:
         told = f'<span data-stored="{given}">Stored as {given}</span> in {text(dataset)}'
-    which = "" if state.selected is None else f"<span>candidate {state.selected + 1}</span>"
+    elif state.scene is not None and not fits:
+        told = "Verdicts are stored for scenes of one object at rest."
+    which = "" if state.choice is None else f"<span>candidate {state.choice.index + 1}</span>"
     buttons = button("good", "✓ Good grasp") + button("bad", "✗ Bad grasp")
     return (
         f'<h3>Your verdict {which}</h3><div class="gw-bar">{buttons}</div>'
@@ -133,29 +219,34 @@ def verdict(state: State, dataset: str, bridge: Bridge) -> str:
 class TrialPanel:
     """Outcome, player and verdict."""
 
-    def __init__(self, bridge: Bridge, attempts: int, dataset: str) -> None:
+    def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
-        self._attempts = attempts
-        self._dataset = dataset
         self._said = bridge.html()
+        self._time = bridge.slider("Time s", 0.0, 1.0, 0.01, 0.0, a.Seek, "Where the replay stands, seconds")
         self._player = bridge.html()
-        self._time = bridge.slider("Time s", 0.0, 1.0, 0.01, 0.0, Seek, "Where the replay stands, seconds")
+        self._compared = bridge.html()
         self._verdict = bridge.html()
-        bridge.command("Play or pause", "T", TogglePlay, "The replay of the trial")
-        bridge.command("Good grasp", "G", lambda: Judge("good"), "Store a verdict on the selected candidate")
-        bridge.command("Bad grasp", "B", lambda: Judge("bad"), "Store a verdict on the selected candidate")
-        bridge.command("Try the best candidate", "F", lambda: Select(0), "Run its DART trial")
-        bridge.command("Try the next candidate", "J", lambda: SelectNext(1), "Down the list")
-        bridge.command("Try the previous candidate", "K", lambda: SelectNext(-1), "Up the list")
+        bridge.command("Play or pause", "T", a.TogglePlay, "The replay of the trial")
+        bridge.command("One frame on", "M", lambda: a.Step(1), "Step the replay forwards")
+        bridge.command("One frame back", "N", lambda: a.Step(-1), "Step the replay backwards")
+        bridge.command("Loop the replay", None, a.ToggleLoop, "Start over at the end, or not")
+        bridge.command("Pin to compare", "C", a.Pin, "Keep this attempt and compare another one with it")
+        bridge.command("Save the replay as HTML", None, a.SaveReplay, "One file that opens anywhere")
+        bridge.command("Good grasp", "G", lambda: a.Judge("good"), "Store a verdict on the selected candidate")
+        bridge.command("Bad grasp", "B", lambda: a.Judge("bad"), "Store a verdict on the selected candidate")
+        bridge.command("Try the best candidate", "F", lambda: a.Select(Choice(0, 0)), "Run its DART trial")
+        bridge.command("Try the next candidate", "J", lambda: a.SelectNext(1), "Down the list")
+        bridge.command("Try the previous candidate", "K", lambda: a.SelectNext(-1), "Up the list")
         self._sent = -1.0
 
     def update(self, old: State | None, new: State) -> None:
         """Show `new`; while a replay runs, only the time moves."""
-        said = verdict_of_physics(new, self._attempts, self._bridge)
+        said = verdict_of_physics(new, self._bridge)
         put(self._said, content=f'<div class="gw" data-trial="1"><h3>Trial in DART</h3>{said}</div>')
         put(self._player, content=f'<div class="gw">{player(new, self._bridge)}</div>')
+        put(self._compared, content=f'<div class="gw">{compared(new)}</div>' if new.pinned else "")
         self._show_time(new)
-        put(self._verdict, content=f'<div class="gw">{verdict(new, self._dataset, self._bridge)}</div>')
+        put(self._verdict, content=f'<div class="gw">{verdict(new, self._bridge)}</div>')
 
     def _show_time(self, state: State) -> None:
         playback = state.playback

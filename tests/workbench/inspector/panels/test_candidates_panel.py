@@ -1,50 +1,65 @@
 from dataclasses import replace
 
+import pytest
+
+from grasp_core.errors import GraspError
 from workbench.bridge import read_message
-from workbench.inspector.actions import Select
-from workbench.inspector.panels.candidates_panel import READERS, CandidatesPanel, listing, selection, stages
-from workbench.inspector.state import TrialState
+from workbench.inspector import actions as a
+from workbench.inspector.orders import Choice
+from workbench.inspector.panels.candidates_panel import READERS, CandidatesPanel, listing, stages, tools
+from workbench.inspector.state import Sweep, TrialState
 
 
-def test_the_list_is_in_the_plan_s_order_with_its_numbers(shown, bridge):
+def test_stages_fill_the_bar_and_names_are_escaped():
+    page = stages({"crops": 1.0, "<b>": 3.0, "none": 0.0})
+    assert "width:75.0%" in page and "&lt;b&gt;" in page and "none" not in page
+
+
+def test_every_candidate_has_its_row(shown, bridge):
     page = listing(shown, bridge)
-    assert page.count("data-candidate=") == 3
-    assert page.index("0.900") < page.index("0.600") < page.index("0.300")
-    assert "cascade in 40 ms" in page and ">80<" in page
+    assert page.count("data-candidate") == 3 and "3 candidates" in page and "cascade in 40 ms" in page
+    assert "0.900" in page and "80" in page
+    assert "2 hidden" in listing(replace(shown, least=0.8), bridge)
 
 
-def test_trials_and_verdicts_show_in_the_list(shown, bridge, attempt):
+def test_what_physics_and_people_said_stands_in_the_row(shown, bridge, attempt):
     trial = TrialState({0: attempt(0), 1: attempt(1, "SLIPPED")}, complete=True)
-    page = listing(replace(shown, trials={1: trial}, verdicts={1: "bad"}), bridge)
+    page = listing(replace(shown.with_trial(Choice(0, 0), trial), verdicts={Choice(0, 1): "bad"}), bridge)
     assert ">1/2<" in page and "✗" in page
 
 
-def test_an_empty_plan_says_why(state, empty_scene, bridge):
-    page = listing(replace(state, scene=empty_scene, making=None), bridge)
-    assert "No grasp: nothing stands on the table" in page
+def test_empty_plans_and_failures_say_why(shown, state, bridge, empty_scene, sight):
+    assert "nothing stands on the table" in listing(replace(shown, scene=empty_scene, choice=None), bridge)
+    assert "first plan" in listing(state, bridge) and "no plan" in listing(replace(state, failure="no"), bridge)
+    failed = replace(shown.scene, sight=sight((None,)))
+    assert "another gripper" in listing(replace(shown, scene=failed, choice=None), bridge)
 
 
-def test_before_the_first_plan(state, bridge):
-    assert "come with the first plan" in listing(state, bridge)
-    assert "no plan" in listing(replace(state, making=None, failure="x"), bridge)
+def test_the_job_shows_its_progress_and_can_be_cancelled(shown, bridge):
+    running = replace(shown, sweep=Sweep(0, (2,), 3)).with_trial(Choice(0, 1), TrialState(running=True))
+    page = tools(running, bridge)
+    assert 'data-done="1"' in page and "1 of 3 tried" in page and "stop:" in page
+    assert "tryall:" in tools(shown, bridge) and "disabled" in tools(replace(shown, scene=None), bridge)
 
 
-def test_times_add_up():
-    page = stages({"rectify": 10.0, "refined<": 30.0, "unused": 0.0})
-    assert "width:25.0%" in page and "width:75.0%" in page and "unused" not in page
-    assert "refined&lt;" in page
+def test_messages_of_the_list():
+    assert read_message("select:1.20:1", READERS) == a.Select(Choice(1, 20))
+    assert read_message("tint:physics:1", READERS) == a.ColourBy("physics")
+    assert read_message("least:0.25:1", READERS) == a.Filter(0.25)
 
 
-def test_the_selection_is_a_style_so_that_nothing_else_is_sent(bridge, client, shown):
+@pytest.mark.parametrize(
+    "message", ["select:1:1", "select:a.b:1", "select:1.-1:1", "tint:x:1", "least:2:1", "look:x:1"]
+)
+def test_forged_messages_are_refused(message):
+    with pytest.raises(GraspError):
+        read_message(message, READERS)
+
+
+def test_the_list_is_sent_only_when_it_changed(shown, bridge, client):
     panel = CandidatesPanel(bridge)
     panel.update(None, shown)
-    table = next(made for made in client.made if made.kind == "html" and "<table" in made.content)
-    table.content = "untouched"
-    panel.update(shown, replace(shown, selected=2))
-    assert table.content == "untouched"
-    assert any(".gw-c2" in made.content for made in client.made if made.kind == "html")
-    assert selection(None) == "<style></style>"
-
-
-def test_a_click_in_list_or_image_selects():
-    assert read_message("select:2:1", READERS) == Select(2)
+    handle = client.only("html") if len([h for h in client.made if h.kind == "html"]) == 1 else client.made[-1]
+    page = client.page()
+    panel.update(shown, replace(shown, speed=2.0))
+    assert client.page() == page and handle is not None

@@ -1,71 +1,103 @@
 from dataclasses import replace
 
+import msgspec
 import pytest
 
+from grasp_core.errors import GraspError
+from grasp_core.simulation.evidence import Evidence, FingerContact
 from workbench.bridge import read_message
 from workbench.inspector import actions as a
-from workbench.inspector.panels.trial_panel import READERS, TrialPanel, player, verdict, verdict_of_physics
-from workbench.inspector.state import Playback, TrialState
+from workbench.inspector.orders import Choice, SceneRequest
+from workbench.inspector.panels.trial_panel import (
+    READERS,
+    TrialPanel,
+    against,
+    chips,
+    compared,
+    evidence,
+    player,
+    verdict,
+    verdict_of_physics,
+)  # fmt: skip
+from workbench.inspector.state import Pinned, Playback, TrialState
 
 
 @pytest.fixture
 def tried(shown, attempt):
-    known = {n: attempt(n, "SUCCESS" if n < 4 else "SLIPPED", recorded=False) for n in range(5)}
-    return replace(shown.with_trial(0, TrialState(known, complete=True)), playback=Playback(attempt(0)))
+    trial = TrialState({0: attempt(0), 1: attempt(1, "SLIPPED")}, complete=True)
+    return replace(shown.with_trial(shown.choice, trial), playback=Playback(shown.choice, attempt(0)))
 
 
-def test_what_happened_is_said_in_words(tried, bridge):
-    page = verdict_of_physics(tried, 5, bridge)
+def test_before_during_and_after_a_trial(shown, tried, bridge):
+    assert "Try candidate 1" in verdict_of_physics(shown, bridge) and "× 5" in verdict_of_physics(shown, bridge)
+    assert "being tried" in verdict_of_physics(shown.with_trial(shown.choice, TrialState(running=True)), bridge)
+    page = verdict_of_physics(tried, bridge)
     assert 'data-outcome="SUCCESS"' in page and "Held to the end." in page
-    assert "4 / 5 succeeded" in page
-    assert page.count("data-attempt=") == 5
+    assert 'data-successes="1"' in page and "1 / 2" in page and "predicted 0.90" in page
 
 
-def test_every_state_of_a_trial_has_its_words(state, shown, bridge):
-    assert "No candidate" in verdict_of_physics(state, 5, bridge)
-    assert "Try candidate 1" in verdict_of_physics(shown, 5, bridge)
-    running = shown.with_trial(0, TrialState(running=True))
-    assert "is being tried" in verdict_of_physics(running, 5, bridge)
-    failed = shown.with_trial(0, TrialState(failed="<worker> died"))
-    assert "&lt;worker&gt; died." in verdict_of_physics(failed, 5, bridge)
+def test_failures_and_names_are_text(shown, bridge):
+    page = verdict_of_physics(shown.with_trial(shown.choice, TrialState(failed="<b>no</b>")), bridge)
+    assert "&lt;b&gt;" in page and "<b>no" not in page
+
+
+def test_nothing_to_try(state, shown, bridge):
+    assert "No candidate" in verdict_of_physics(state, bridge)
+    own = replace(shown, scene=replace(shown.scene, scene=replace(shown.scene.scene, objects=())))
+    assert "own image" in verdict_of_physics(own, bridge)
+
+
+def test_evidence_in_short_lines(attempt):
+    contact = FingerContact(0, 19.4, 3.0, (1, 0, 0), (0, 0, 0), "edge")
+    found = Evidence(words="x", lift=0.12, left=contact, clearance=0.299)
+    told = evidence(replace(attempt(0), evidence=msgspec.json.encode(found).decode()))
+    assert "lift 12.0 cm" in told and "left finger: edge, 19 N" in told and "29.9 cm above" in told
+    assert "height map" in evidence(replace(attempt(0), evidence=None))
+
+
+def test_chips_are_one_an_attempt(tried, bridge):
+    page = chips(tried, bridge)
+    assert page.count("data-attempt") == 5 and page.count("not known yet") == 6 and page.count("gw-on") == 1
+    assert "gw-spin" in against(replace(tried, trials={}))
+
+
+def test_two_attempts_side_by_side(tried, attempt):
+    assert compared(tried) == ""
+    pinned = replace(tried, pinned=Pinned(Choice(0, 2), 0.3, attempt(4, "MISSED")))
+    page = compared(pinned)
+    assert "A (pale): candidate 3, attempt 5, score 0.30" in page and "B: candidate 1, attempt 1" in page
+    alone = replace(pinned, playback=None)
+    assert "Click another" in compared(alone)
 
 
 def test_the_player_is_off_without_a_replay(shown, tried, bridge):
-    assert player(shown, bridge).count("disabled") == 4
-    assert "Pause" in player(tried, bridge) and "disabled" not in player(tried, bridge)
-    assert "Play" in player(replace(tried, playback=replace(tried.playback, playing=False)), bridge)
+    assert player(shown, bridge).count(" disabled") == 6 and player(tried, bridge).count("disabled") == 0
+    assert 'data-playing="true"' in player(tried, bridge) and "4×" in player(tried, bridge)
+    assert "gw-spin" in player(replace(tried, saving=True), bridge)
 
 
-def test_the_verdict_says_where_it_goes(tried, bridge):
-    assert "goes to ~/data" in verdict(tried, "~/data", bridge)
-    assert 'data-stored="good"' in verdict(replace(tried, verdicts={0: "good"}), "~/data", bridge)
-    assert verdict(replace(tried, judging=True), "~/data", bridge).count("disabled") == 2
+def test_verdicts_are_offered_where_they_can_be_stored(shown, bridge):
+    assert "goes to ~/data/own" in verdict(shown, bridge) and "disabled" not in verdict(shown, bridge)
+    assert 'data-stored="good"' in verdict(replace(shown, verdicts={shown.choice: "good"}), bridge)
+    thing = msgspec.structs.replace(shown.request.things[0], loose=True)
+    loose = verdict(replace(shown, request=SceneRequest((thing,))), bridge)
+    assert loose.count("disabled") == 2 and "one object at rest" in loose
 
 
-def test_the_scrubber_follows_the_replay_without_flooding_the_page(bridge, client, tried):
-    panel = TrialPanel(bridge, 5, "~/data")
-    slider = client.only("slider")
+def test_messages_of_the_trial():
+    assert read_message("attempt:3:1", READERS) == a.ReplayAttempt(3)
+    assert read_message("step:-999:1", READERS) == a.Step(-30)
+    assert read_message("judge:bad:1", READERS) == a.Judge("bad")
+    for message in ("judge:great:1", "speed:fast:1", "attempt:x:1"):
+        with pytest.raises(GraspError):
+            read_message(message, READERS)
+
+
+def test_the_time_is_sent_less_often_than_the_frames(tried, bridge, client):
+    panel = TrialPanel(bridge)
     panel.update(None, tried)
-    assert slider.max == 2.0 and not slider.disabled
-    sent = []
-    for frame in range(30):
-        panel.update(tried, replace(tried, playback=replace(tried.playback, position=frame / 30)))
-        sent.append(slider.value)
-    assert 5 < len(set(sent)) < 15
-    paused = replace(tried, playback=replace(tried.playback, position=1.2345, playing=False))
-    panel.update(tried, paused)
-    assert slider.value == 1.23
-    panel.update(paused, replace(tried, playback=None))
-    assert slider.disabled and slider.value == 0
-
-
-@pytest.mark.parametrize(
-    "message, action",
-    [
-        ("attempt:3:1", a.ReplayAttempt(3)), ("toggle::1", a.TogglePlay()), ("restart::1", a.Seek(0.0)),
-        ("step:-1:1", a.Step(-1)), ("step:9999:1", a.Step(30)), ("speed:0.25:1", a.Speed(0.25)),
-        ("judge:bad:1", a.Judge("bad")),
-    ],
-)  # fmt: skip
-def test_buttons_send_what_they_say(message, action):
-    assert read_message(message, READERS) == action
+    slider, sent = client.only("slider"), set()
+    for step in range(60):
+        panel.update(tried, replace(tried, playback=replace(tried.playback, position=step / 30)))
+        sent.add(slider.value)
+    assert 10 <= len(sent) <= 25

@@ -1,0 +1,76 @@
+import msgspec
+import numpy as np
+import pytest
+import trimesh
+
+from grasp_core.errors import GraspError
+from workbench.inspector.orders import SceneRequest, Thing
+from workbench.inspector.poses import matrix, vector
+from workbench.inspector.setup import DEFAULT
+from workbench.inspector.worker.scenes import camera_of, file_of, make_scene, settle_scene
+
+CAN = SceneRequest((Thing("can_000"),), 3)
+
+
+def test_a_scene_follows_from_its_request():
+    request, scene, rests = make_scene(CAN, DEFAULT, {})
+    again = make_scene(CAN, DEFAULT, {})[1]
+    assert np.array_equal(scene.objects[0].world_from_object, again.objects[0].world_from_object)
+    assert request == CAN and rests[0].pose == 0 and 0 < rests[0].poses[0][1] <= 1
+    assert scene.objects[0].vertices[:, 2].min() == pytest.approx(0, abs=1e-3), "it stands on the table"
+
+
+def test_poses_wrap_round():
+    many = msgspec.structs.replace(CAN, things=(Thing("can_000", 1000),))
+    request, _, rests = make_scene(many, DEFAULT, {})
+    assert request.things[0].pose == 1000 % len(rests[0].poses)
+
+
+def test_several_objects_stand_apart():
+    request = SceneRequest((Thing("can_000"), Thing("box_000"), Thing("can_001")), 5)
+    _, scene, _ = make_scene(request, DEFAULT, {})
+    hulls = [trimesh.Trimesh(p.vertices, p.asset.faces).convex_hull for p in scene.objects]
+    for i, one in enumerate(hulls):
+        for other in hulls[:i]:
+            low = np.maximum(one.bounds[0], other.bounds[0])[:2]
+            high = np.minimum(one.bounds[1], other.bounds[1])[:2]
+            assert (low >= high).any() or not other.contains(one.vertices).any()
+
+
+def test_objects_stay_where_they_were_dragged():
+    at = (0.05, 0.02, 0.2, 1.0, 0.0, 0.0, 0.0)
+    _, scene, rests = make_scene(SceneRequest((Thing("can_000", 0, at),)), DEFAULT, {})
+    assert scene.objects[0].world_from_object == pytest.approx(matrix(at)) and rests[0].pose is None
+
+
+def test_the_camera_follows_the_settings():
+    camera = camera_of(msgspec.structs.replace(DEFAULT, camera="kinect", height=0.9, tilt=20))
+    assert camera.pose[2, 3] == pytest.approx(0.9) and camera.intrinsics.width == 640
+    assert np.degrees(np.arccos(-camera.pose[2, 2])) == pytest.approx(20)
+
+
+def test_a_lifted_object_settles_on_the_table():
+    _, scene, _ = make_scene(CAN, DEFAULT, {})
+    pose = scene.objects[0].world_from_object.copy()
+    pose[2, 3] += 0.03
+    lifted = CAN.moved(0, Thing("can_000", 0, vector(pose), True))
+    rested = settle_scene(lifted, DEFAULT, {})
+    assert not rested.things[0].loose
+    _, scene, _ = make_scene(rested, DEFAULT, {})
+    assert scene.objects[0].vertices[:, 2].min() == pytest.approx(0, abs=2e-3)
+
+
+def test_an_own_mesh_is_read_in_its_unit(tmp_path):
+    path = tmp_path / "0123--brick.stl"
+    trimesh.creation.box((120, 40, 60)).export(path)
+    key = "mesh-0123-mm"
+    _, scene, _ = make_scene(SceneRequest((Thing(key),)), DEFAULT, {key: str(path)})
+    assert sorted(scene.objects[0].asset.extents) == pytest.approx([0.04, 0.06, 0.12], abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["mesh-ffff-m", "wishful_000", "can", "../../etc/passwd"])
+def test_what_is_not_there_is_told(name):
+    with pytest.raises(GraspError):
+        make_scene(SceneRequest((Thing(name),)), DEFAULT, {})
+    with pytest.raises(GraspError, match="no longer has"):
+        file_of(name, {name: "/nowhere/at/all"})

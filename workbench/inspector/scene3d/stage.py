@@ -1,0 +1,103 @@
+"""What stands still: lights, table, grid, axes of the world, and the camera with its image and what it measured."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import viser
+
+from grasp_core.camera import Camera
+from workbench import colours
+from workbench.bridge import Bridge
+from workbench.casting import plain, pose, put
+from workbench.inspector.orders import Sight
+from workbench.inspector.state import State
+
+_MOST_POINTS = 40_000
+_AXES: dict[str, Any] = {"axes_length": 0.08, "axes_radius": 0.0015, "origin_radius": 0.003, "visible": False}
+
+
+class Stage:
+    """Table and camera."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        scene, node = bridge.client.scene, bridge.node
+        scene.set_up_direction("+z")
+        scene.configure_environment_map(None)
+        scene.configure_default_lights(enabled=False)
+        scene.add_light_ambient(node("/light/all"), color=(255, 255, 255), intensity=0.75)
+        sun = viser.transforms.SO3.from_rpy_radians(0.45, 0.35, 0.0)
+        scene.add_light_directional(
+            node("/light/sun"), color=(255, 250, 240), intensity=1.9, cast_shadow=True, wxyz=plain(tuple(sun.wxyz))
+        )
+        scene.add_light_hemisphere(
+            node("/light/sky"), sky_color=(225, 235, 255), ground_color=(70, 66, 60), intensity=0.8
+        )
+        scene.add_box(
+            node("/table"),
+            color=colours.TABLE,
+            dimensions=(0.9, 0.9, 0.02),
+            position=(0, 0, -0.0105),
+            cast_shadow=False,
+        )
+        self._grid = scene.add_grid(
+            node("/grid"), 0.9, 0.9, cell_size=0.05, section_size=0.1, cell_color=(74, 79, 86),
+            section_color=(92, 98, 106), cell_thickness=0.6, section_thickness=1.0, position=(0, 0, 0.0003),
+            fade_distance=100.0,
+        )  # fmt: skip
+        self._world = scene.add_frame(node("/frames/world"), **_AXES)
+        self._lens = scene.add_frame(node("/frames/camera"), **_AXES)
+        self._camera = scene.add_camera_frustum(
+            node("/camera"), fov=0.55, aspect=1.0, scale=0.05, thickness=0.0012, color=(150, 160, 172), visible=False,
+            image=np.zeros((2, 2, 3), np.uint8), cast_shadow=False, receive_shadow=False,
+        )  # fmt: skip
+        self._points = scene.add_point_cloud(
+            node("/points"), points=np.zeros((1, 3), np.float32), colors=(255, 255, 255), point_size=0.0012,
+            point_shape="circle", precision="float32", visible=False,
+        )  # fmt: skip
+
+    def update(self, old: State | None, new: State) -> None:
+        """Show `new`."""
+        opened = new.scene
+        camera = None if opened is None else _seen_from(opened.sight)
+        if opened is not None and camera is not None and (old is None or old.scene is not opened or _other(old, new)):
+            self._show(new, opened.sight, camera)
+        own = new.request.photo is not None
+        put(self._grid, visible="grid" in new.shown)
+        put(self._world, visible="frames" in new.shown)
+        put(self._lens, visible="frames" in new.shown and camera is not None)
+        put(self._camera, visible="camera" in new.shown and camera is not None)
+        put(self._points, visible=camera is not None and (own or "points" in new.shown))
+
+    def _show(self, state: State, sight: Sight, camera: Camera) -> None:
+        image, k = sight.image, camera.intrinsics
+        near, far = colours.depth_range(image.depth, image.valid)
+        picture = colours.depth(image.depth, image.valid, near, far, state.picture.colours)
+        step = max(1, image.depth.shape[1] // 320)
+        self._camera.image = np.ascontiguousarray(picture[::step, ::step])
+        put(self._camera, fov=2 * math.atan(k.height / (2 * k.fy)), aspect=k.width / k.height)
+        turn, place = pose(camera.pose)
+        for handle in (self._camera, self._lens):
+            put(handle, wxyz=np.array(turn), position=np.array(place))
+        if "points" in state.shown or state.request.photo is not None:
+            points = image.with_camera(camera).points()[image.valid]
+            every = max(1, -(-len(points) // _MOST_POINTS))
+            put(
+                self._points,
+                points=np.ascontiguousarray(points[::every], np.float32),
+                colors=np.ascontiguousarray(picture[image.valid][::every]),
+            )
+
+
+def _other(old: State, new: State) -> bool:
+    return "points" in old.shown ^ new.shown or old.picture.colours != new.picture.colours
+
+
+def _seen_from(sight: Sight) -> Camera | None:
+    """The camera with the pose that was given or found; None where none was found."""
+    for plan in sight.plans:
+        if plan is not None and plan.camera.world_from_camera is not None:
+            return plan.camera
+    return sight.image.camera if sight.image.camera.world_from_camera is not None else None
