@@ -1,6 +1,7 @@
 """The curation in a real browser: from browsing and labelling by keys to reviews, conflicts and histories."""
 
 import json
+import math
 import re
 import statistics
 import subprocess
@@ -198,9 +199,10 @@ def test_a_rectangle_is_edited_dragged_and_verified(person, store):
     row = store.grasp(231)
     eve.key("r")
     eve.page.wait_for_selector("[data-editing]")
-    for key in "6673":
+    for key in "6647":
         eve.key(key)
-    eve.until("document.querySelector('[data-editing]').innerText.includes('°')")
+    turned = math.degrees(row.grasp.angle) + 5
+    eve.until(f"document.querySelector('[data-editing]').innerText.includes('φ {turned:.0f}°')")
     box = eve.page.locator("[data-edited]").bounding_box()
     eve.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     eve.page.mouse.down()

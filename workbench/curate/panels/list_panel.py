@@ -201,9 +201,8 @@ def pager(state: State, bridge: Bridge) -> str:
     if shelf.total is not None:
         total = f"{shelf.total:,} samples"
     else:
-        total = (
-            f"{whole:,} samples" if whole is not None and state.query == _plain(state.query) else "over 10,000 samples"
-        )
+        all_of_them = whole is not None and state.query == _plain(state.query)
+        total = f"{whole:,} samples" if all_of_them else "10,000 samples or more"
     return (
         '<div class="gw-bar gw-pager">'
         + bridge.button("‹ Page", "cturn:-1", off=len(state.keys) < 2, hint="the page before")
