@@ -47,14 +47,27 @@ class Limiter:
         size, parts = message.size_bytes, message.part_count
         if not (isinstance(size, int) and isinstance(parts, int) and 0 <= parts <= PARTS and 0 <= size <= most):
             refused(f"It is larger than {most / 1e6:g} MB. Give a smaller file.")
+            self._release(message)
             return
         if self._running:
             refused("Another file is on its way; wait until it is there.")
+            self._release(message)
             return
         self._running[message.transfer_uuid] = [size, 0]
         self._gui._handle_file_transfer_start(client_id, message)
         if parts == 0:
             self._running.pop(message.transfer_uuid, None)
+
+    def _release(self, message: Any) -> None:
+        """Let the page's upload button end its wait."""
+        if isinstance(message.size_bytes, int) and message.size_bytes >= 0:
+            ack = _messages.FileTransferPartAck(
+                source_component_uuid=message.source_component_uuid,
+                transfer_uuid=message.transfer_uuid,
+                transferred_bytes=message.size_bytes,
+                total_bytes=message.size_bytes,
+            )
+            self._gui._websock_interface.queue_message(ack)
 
     def continues(self, client_id: Any, message: Any) -> None:
         """A part of a file comes in."""

@@ -11,17 +11,9 @@ from types import SimpleNamespace
 
 import pytest
 
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--enable-unsafe-swiftshader",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-START = 60
+from workbench.benchmark import FLAGS
+
+START = 240
 """Seconds that the workbench may take to print its address on a busy machine."""
 
 
@@ -51,7 +43,7 @@ def chromium():
     if executable is None:
         missing("Chromium (on Debian: apt-get install chromium)")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=executable, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
         yield browser
         browser.close()
 
@@ -72,15 +64,84 @@ def workbench(chromium, tmp_path_factory):
         process.wait(20)
 
 
+PLAN = "svg.gw-depth g[data-candidate]"
+WAIT = 180_000
+"""Milliseconds that anything may take on a busy machine without a GPU."""
+
+
+class Page:
+    """One page on the workbench, and what the tests do with it again and again."""
+
+    def __init__(self, page, url):
+        self.raw = page
+        self.url = url
+        self.errors = []
+        page.set_default_timeout(WAIT)
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+
+    def open(self, query=""):
+        """Load the workbench and wait for its plan."""
+        self.raw.goto(f"{self.url}?fixedDpr=1{query}")
+        self.raw.wait_for_selector(PLAN, timeout=WAIT)
+        return self
+
+    def settled(self):
+        """Wait until nothing is being made."""
+        self.raw.wait_for_timeout(150)
+        self.raw.wait_for_function("!document.querySelector('.gw-facts .gw-spin')", timeout=WAIT)
+
+    def tried(self):
+        """Wait until the trial of the selected candidate is complete."""
+        self.raw.wait_for_selector("[data-outcome]", timeout=WAIT)
+        self.raw.wait_for_selector("[data-successes]", timeout=WAIT)
+
+    def button(self, name):
+        return self.raw.get_by_role("button", name=name, exact=True)
+
+    def tab(self, name):
+        self.raw.get_by_role("tab", name=name).click()
+
+    def until(self, condition, arg=None):
+        return self.raw.wait_for_function(condition, arg=arg, timeout=WAIT)
+
+    def row(self, label):
+        """The row of a widget of viser's."""
+        found = self.raw.get_by_text(label, exact=True)
+        return found.locator("xpath=ancestor::div[contains(@class,'Flex-root')][1]")
+
+    def choose(self, label, option):
+        """Pick an option of a dropdown."""
+        self.row(label).locator("input").first.click()
+        self.raw.get_by_role("option", name=option, exact=True).click()
+
+    def rows(self):
+        return self.raw.locator(".gw-list tr[data-candidate]")
+
+    def node(self, name):
+        """Where a scene node stands."""
+        return self.raw.evaluate(
+            "n => { const p = window.__viserMutable.nodeRefFromName[n].position; return [p.x, p.y, p.z] }", name
+        )
+
+
 @pytest.fixture
-def page(chromium, workbench):
-    """A new browser (its own storage) on the workbench, with the first plan on screen."""
-    context = chromium.new_context(viewport={"width": 1440, "height": 900})
-    opened = context.new_page()
-    opened.errors = []
-    opened.on("pageerror", lambda error: opened.errors.append(str(error)))
-    opened.goto(f"{workbench.url}?fixedDpr=1")
-    opened.wait_for_selector("svg.gw-depth g[data-candidate]", timeout=90_000)
-    yield opened
-    assert opened.errors == [], "scripts of the page failed"
-    context.close()
+def browser_page(chromium, workbench):
+    """Makes pages in browsers of their own (each with its own storage)."""
+    contexts, pages = [], []
+
+    def make(width=1280, height=720):
+        contexts.append(chromium.new_context(viewport={"width": width, "height": height}, accept_downloads=True))
+        pages.append(Page(contexts[-1].new_page(), workbench.url))
+        return pages[-1]
+
+    yield make
+    errors = [error for page in pages for error in page.errors]
+    for context in contexts:
+        context.close()
+    assert errors == [], "scripts of the page failed"
+
+
+@pytest.fixture
+def page(browser_page):
+    """A new browser with the first plan on screen."""
+    return browser_page().open()

@@ -11,13 +11,16 @@ class Gui:
     def __init__(self):
         self._websock_interface = self
         self._current_file_upload_states = {}
-        self.replaced, self.finished = [], []
+        self.replaced, self.finished, self.sent = [], [], []
 
     def unregister_handler(self, message):
         self.replaced.append(message)
 
     def register_handler(self, message, handler):
         pass
+
+    def queue_message(self, message):
+        self.sent.append(message)
 
     def _handle_file_transfer_start(self, client, message):
         self._current_file_upload_states[message.transfer_uuid] = {"left": message.part_count}
@@ -69,6 +72,9 @@ def test_too_large_and_malformed_announcements_are_refused(limiter, gui, refused
     limiter.starts(0, start(size, parts))
     limiter.continues(0, part(b"x" * 1000))
     assert len(refused) == 1 and gui._current_file_upload_states == {}
+    assert [ack.transferred_bytes for ack in gui.sent] == ([size] if size in (101, 10) else []), (
+        "the button is free again"
+    )
 
 
 def test_parts_that_outgrow_the_announcement_end_the_transfer(limiter, gui):

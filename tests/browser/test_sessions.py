@@ -1,0 +1,72 @@
+"""Links, what a browser keeps, reloads, and browsers beside each other."""
+
+import msgspec
+
+from workbench.inspector.setup import DEFAULT
+
+
+def test_a_link_restores_scene_settings_and_selection(browser_page):
+    first = browser_page().open("&object=mug_003&place=5&threshold=0.3&planner=antipodal")
+    first.rows().nth(1).click()
+    first.tried()
+    first.until("location.search.includes('select=0.1')")
+    second = browser_page()
+    second.raw.goto(first.raw.url)
+    second.raw.wait_for_selector("svg.gw-depth g[data-candidate]")
+    assert second.rows().all_inner_texts()[0].split()[1] == first.rows().all_inner_texts()[0].split()[1]
+    assert "mug_003" in second.raw.locator(".gw-facts").inner_text()
+    assert "candidate 2" in second.raw.locator("[data-trial]").inner_text()
+    second.tab("Settings")
+    assert second.row("t least").locator("input").first.input_value() == "0.3"
+    assert msgspec.structs.replace(DEFAULT).threshold != 0.3
+
+
+def test_a_bad_link_is_told_and_opens_what_it_can(browser_page):
+    page = browser_page().open("&object=mug_003&threshold=<script>alert(1)</script>")
+    page.raw.get_by_text("This link was not understood").first.wait_for()
+
+
+def test_a_browser_keeps_its_settings_and_theme(page):
+    raw = page.raw
+    raw.locator("canvas[data-engine]").click(position={"x": 5, "y": 300})
+    raw.keyboard.press("l")
+    raw.wait_for_selector(".gw-theme[data-theme=light]", state="attached")
+    page.button("frames").click()
+    raw.wait_for_selector("[data-layer=frames][aria-pressed=true]")
+    raw.wait_for_timeout(500)
+    raw.evaluate("for (const k of Object.keys(localStorage)) if (k.includes('session')) localStorage.removeItem(k)")
+    page.open()
+    raw.wait_for_selector(".gw-theme[data-theme=light]", state="attached")
+    raw.wait_for_selector("[data-layer=frames][aria-pressed=true]")
+
+
+def test_a_reload_in_the_middle_of_a_trial_finds_it(page):
+    page.rows().nth(1).click()
+    page.raw.wait_for_selector("[data-trial] .gw-spin, [data-outcome]")
+    facts = page.raw.locator(".gw-facts").inner_text()
+    page.raw.reload()
+    page.tried()
+    assert page.raw.locator(".gw-facts").inner_text() == facts
+    assert "candidate 2" in page.raw.locator("[data-trial]").inner_text()
+
+
+def test_two_browsers_are_independent(page, browser_page):
+    other = browser_page().open()
+    other.button("Random").click()
+    other.until("!location.search.includes('toy_plane_000')")
+    other.settled()
+    assert "toy_plane_000" in page.raw.url and "toy_plane_000" in page.raw.locator(".gw-facts").inner_text()
+    page.rows().first.click()
+    page.tried()
+    assert other.raw.locator("[data-outcome]").count() == 0
+
+
+def test_every_hotkey_is_listed(page):
+    page.raw.locator("canvas[data-engine]").click(position={"x": 5, "y": 300})
+    page.raw.keyboard.press("h")
+    page.raw.wait_for_selector(".gw-keylist")
+    assert page.raw.locator(".gw-keylist kbd").count() > 15
+    page.button("Close").click()
+    page.raw.wait_for_selector(".gw-keylist", state="detached")
+    page.raw.keyboard.press("Control+k")
+    page.raw.get_by_text("Settle in DART").last.wait_for()
