@@ -20,6 +20,10 @@ from grasp_core.dataset.store import DatasetStore
 from grasp_core.parallel import Executor
 
 SHOWN = "[data-shown]"
+START = 180
+"""Seconds that the workbench may take to print its address on a busy machine."""
+SLOW = 90_000
+"""Milliseconds that anything may take there; on an idle machine it is well under a second."""
 RECIPE = Recipe("curated", train=Objects(names=("box_000", "box_001")), poses=2, grid=4, angles=4, attempts=2)
 """256 samples."""
 
@@ -34,7 +38,7 @@ def curation(chromium, tmp_path_factory):
         store.use_weights("w")
     command = [sys.executable, "-m", "workbench.cli", "--port", "0", "--no-open", "--dataset", str(dataset)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        killer = threading.Timer(60, process.kill)
+        killer = threading.Timer(START, process.kill)
         killer.start()
         line = process.stdout.readline()
         killer.cancel()
@@ -58,9 +62,9 @@ class Person:
         self.errors = []
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.goto(f"{url}/?view=curate&fixedDpr=1{query}")
-        self.page.wait_for_selector("[data-shelf]", timeout=60_000)
+        self.page.wait_for_selector("[data-shelf]", timeout=SLOW)
         self.write("Your name", name)
-        self.page.wait_for_selector("[data-decide]", timeout=30_000)
+        self.page.wait_for_selector("[data-decide]", timeout=SLOW)
 
     def write(self, label, words):
         """Fill a text field of viser's and leave it."""
@@ -80,11 +84,11 @@ class Person:
     def key(self, key):
         self.page.keyboard.press(key)
 
-    def until(self, expression, timeout=20_000):
+    def until(self, expression, timeout=SLOW):
         self.page.wait_for_function(expression, timeout=timeout)
 
     def saved(self, count):
-        self.page.wait_for_selector(f"[data-saved='{count}']", timeout=20_000)
+        self.page.wait_for_selector(f"[data-saved='{count}']", timeout=SLOW)
 
     def choose(self, field, value):
         if self.page.locator(".gw-filters").get_attribute("open") is None:
@@ -215,7 +219,7 @@ def test_a_rectangle_is_edited_dragged_and_verified(person, store):
     eve.page.mouse.move(knob["x"] + 12, knob["y"] - 18, steps=4)
     eve.page.mouse.up()
     eve.page.get_by_role("button", name="Store and verify").click()
-    eve.until("document.querySelector('[data-quality]')?.dataset.quality.endsWith('/5')", 60_000)
+    eve.until("document.querySelector('[data-quality]')?.dataset.quality.endsWith('/5')", SLOW)
     new = eve.shown()
     made = store.grasp(new)
     assert (made.parent, made.person, made.origin, made.scene) == (231, "eve", "person", row.scene)
@@ -227,10 +231,10 @@ def test_a_rectangle_is_edited_dragged_and_verified(person, store):
 def test_verify_pools_attempts_and_replays_tell_the_truth(person, store):
     eve = person("eve", "&sample=232")
     eve.key("v")
-    eve.until("document.querySelector('[data-quality]').dataset.quality.endsWith('/7')", 60_000)
+    eve.until("document.querySelector('[data-quality]').dataset.quality.endsWith('/7')", SLOW)
     assert store.grasp(232).attempts == 7
     eve.page.locator("[data-attempt='6']").click()
-    eve.page.wait_for_selector("[data-played='6']", timeout=60_000)
+    eve.page.wait_for_selector("[data-played='6']", timeout=SLOW)
     outcome = store.attempts(232)[6].outcome
     assert eve.page.locator("[data-played] .gw-badge").inner_text() == outcome
     other = "MISSED" if outcome != "MISSED" else "SLIPPED"
@@ -239,7 +243,7 @@ def test_verify_pools_attempts_and_replays_tell_the_truth(person, store):
     eve.page.reload()
     eve.page.wait_for_selector("[data-decide='232']")
     eve.page.locator("[data-attempt='5']").click()
-    eve.until("document.querySelector('[data-played=\"5\"]')?.innerText.includes('is stored')", 60_000)
+    eve.until("document.querySelector('[data-played=\"5\"]')?.innerText.includes('is stored')", SLOW)
 
 
 def test_bulk_relabelling_is_counted_and_undone_in_one_step(person, store):
@@ -250,10 +254,10 @@ def test_bulk_relabelling_is_counted_and_undone_in_one_step(person, store):
     count = int(eve.page.locator("[data-bulk]").get_attribute("data-bulk"))
     assert count > 10 and store.events_of("eve", limit=1)[0].batch is None
     eve.page.get_by_role("button", name="Relabel them").click()
-    eve.page.get_by_text("samples were relabelled").wait_for(timeout=20_000)
+    eve.page.get_by_text("samples were relabelled").wait_for(timeout=SLOW)
     assert len(store.batch(store.events_of("eve", limit=1)[0].batch)) == count
     eve.key("z")
-    eve.page.get_by_text(f"{count} decisions").wait_for(timeout=20_000)
+    eve.page.get_by_text(f"{count} decisions").wait_for(timeout=SLOW)
     after = {row["grasp"]: row["label"] for row in store.rows("SELECT grasp, label FROM samples")}
     assert after == before
 
@@ -298,7 +302,7 @@ def test_a_blind_review_hides_measures_and_goes_on(person, store):
         kim.key("g")
     kim.page.wait_for_selector(f"[data-decide='{items[21]['grasp']}']")
     kim.page.reload()
-    kim.page.wait_for_selector(f"[data-decide='{items[21]['grasp']}']", timeout=20_000)
+    kim.page.wait_for_selector(f"[data-decide='{items[21]['grasp']}']", timeout=SLOW)
     kim.key("n")
     kim.page.get_by_text("The review is done").wait_for()
     assert {grasp: store.grasp(grasp).label for grasp in labels} == labels
@@ -327,7 +331,7 @@ def test_decisions_that_cannot_be_stored_are_kept_and_stored_later(person, store
     before = store.grasp(251).label
     with store.transaction():  # another program holds the database for longer than anybody waits
         eve.key("x")
-        eve.page.wait_for_selector("[data-unsaved='1']", timeout=30_000)
+        eve.page.wait_for_selector("[data-unsaved='1']", timeout=SLOW)
         assert "locked" in eve.page.locator("[data-unsaved]").inner_text()
         kept = json.loads(eve.page.evaluate("JSON.stringify({...localStorage})"))
         assert re.search(r'\\?"grasp\\?": ?251', json.dumps(kept))
@@ -341,7 +345,7 @@ def test_nothing_is_cut_off_on_a_small_screen(chromium, curation, person):
     context = chromium.new_context(viewport={"width": 1280, "height": 720})
     small = context.new_page()
     small.goto(f"{curation.url}/?view=curate&fixedDpr=1")
-    small.wait_for_selector("[data-decide]", timeout=60_000)
+    small.wait_for_selector("[data-decide]", timeout=SLOW)
     for name in ("✓ Good", "⊘ Exclude", "Verify: 5 more", "Page ›"):
         box = small.get_by_role("button", name=name).bounding_box()
         assert box["y"] + box["height"] <= 720 and box["x"] + box["width"] <= 1280, name
