@@ -34,7 +34,14 @@ def load_training(name: str) -> object:
     return config.load("training", name, RefinedSettings if name.startswith("refined") else RegressionSettings)
 
 
+def load_ablation(name: str) -> object:
+    from grasp_core.training.ablation import Ablation, variant_settings
+
+    return variant_settings(config.load("ablations", name, Ablation))
+
+
 LOADERS: dict[str, Callable[[str], object]] = {
+    "ablations": load_ablation,
     "benchmarks": lambda name: config.load("benchmarks", name, Suite),
     "cameras": load_camera,
     "grippers": load_gripper,

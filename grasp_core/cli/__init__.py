@@ -40,6 +40,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "train regression": ("train", "Regression", "train the Regression Network on a dataset"),
     "train refined": ("train", "Refined", "train the Refined Network on a dataset"),
     "train all": ("train", "All", "train both networks and pack their weights"),
+    "train compare": ("train", "Compare", "train variants for a few epochs and compare them"),
     "train pack": ("train", "Pack", "pack trained networks into one weights file"),
     "train assess": ("train", "Assess", "measure weights on a dataset, with figures"),
     "trial": ("trial", "TrialCommand", "execute one grasp on one object in DART"),

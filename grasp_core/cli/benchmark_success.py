@@ -20,8 +20,8 @@ class BenchmarkSuccess:
         planner: one or several planners by name or settings file; "oracle" is the ceiling.
         scale: of a folder's meshes: keep takes them as metres, paper resizes the longest side to 10-20 cm, a number
             multiplies.
-        poses: stable poses an object, at most.
-        draws: scenes a pose, each at another place and yaw.
+        poses: stable poses an object, at most; the suite's number, or 2.
+        draws: scenes a pose, each at another place and yaw; the suite's number, or 1.
         attempts: executions of each candidate.
         seed: of everything random.
         limit: at most so many scenes.
@@ -40,8 +40,8 @@ class BenchmarkSuccess:
     objects: str
     planner: tuple[str, ...] = ("cascade",)
     scale: str = "keep"
-    poses: int = 2
-    draws: int = 1
+    poses: int | None = None
+    draws: int | None = None
     attempts: int = 5
     seed: int = 0
     limit: int | None = None
@@ -64,7 +64,7 @@ class BenchmarkSuccess:
         from grasp_core.evaluation.gallery import contact_sheet
         from grasp_core.evaluation.machine import Watch, envelope, print_envelope
         from grasp_core.evaluation.success import run_benchmark
-        from grasp_core.evaluation.suites import parse_scale
+        from grasp_core.evaluation.suites import find_suite, parse_scale
         from grasp_core.evaluation.summary import summarise, text
         from grasp_core.gripper import load_gripper
         from grasp_core.parallel import Executor
@@ -72,6 +72,8 @@ class BenchmarkSuccess:
         from grasp_core.simulation.physics import load_physics
 
         watch = Watch()
+        suite = find_suite(self.objects)
+        poses, draws = (suite.poses, suite.draws) if suite else (2, 1)
         benchmark = Benchmark(
             objects=self.objects,
             planners=self.planner,
@@ -80,8 +82,8 @@ class BenchmarkSuccess:
             gripper=load_gripper(self.gripper),
             physics=load_physics(self.physics),
             scale=parse_scale(self.scale),
-            poses=self.poses,
-            draws=self.draws,
+            poses=poses if self.poses is None else self.poses,
+            draws=draws if self.draws is None else self.draws,
             attempts=self.attempts,
             seed=self.seed,
             limit=self.limit,
@@ -95,8 +97,10 @@ class BenchmarkSuccess:
         log, refused = run_benchmark(benchmark, out, Executor(self.workers, self.ray), _Progress())
         summaries = summarise(log, self.attempts)
         report = envelope("success", self.seed, summaries, watch)
-        report |= {"settings": {"objects": self.objects, "scale": self.scale, "poses": self.poses, "draws": self.draws}}
+        report |= {"settings": {"objects": self.objects, "scale": self.scale}}
         report["settings"] |= {
+            "poses": benchmark.poses,
+            "draws": benchmark.draws,
             "attempts": self.attempts,
             "camera": self.camera,
             "noise": self.noise,

@@ -136,7 +136,8 @@ class Restore:
     def run(self) -> int:
         """Restore, with a progress bar on stderr."""
         from grasp_core.dataset.archive import read_archive
-        from grasp_core.dataset.restore import restore, sample_scenes
+        from grasp_core.dataset.restore import restore
+        from grasp_core.dataset.sample import sample_scenes
         from grasp_core.dataset.store import datasets_folder
         from grasp_core.parallel import Executor
 
@@ -278,6 +279,7 @@ class Stats:
     def run(self) -> int:
         """Compute, print and draw."""
         import msgspec
+        import numpy as np
 
         from grasp_core.dataset.stats import compute_stats, draw_stats
         from grasp_core.dataset.store import DatasetStore
@@ -289,9 +291,19 @@ class Stats:
         if self.json:
             print(msgspec.json.encode(stats).decode())
             return 0
-        print(f"scenes     {stats.scenes}, of them with a grasp of quality 1: {stats.graspable_scenes}")
+        scenes = ", ".join(
+            f"{stats.graspable_scenes[split]} of {count} {split}" for split, count in stats.scenes.items()
+        )
+        print(f"scenes     with a grasp of quality 1: {scenes}")
+        shares = np.percentile(list(stats.good_grasps.values()) or [0.0], (0, 50, 100))
+        print(
+            "objects    share of grasps with quality 1, least, median, most: " + ", ".join(f"{s:.1%}" for s in shares)
+        )
+        if never := [name for name, share in stats.good_grasps.items() if share == 0]:
+            print(f"           none at all: {', '.join(never)}")
         print(f"attempts   {stats.attempts}, {stats.dynamic_share:.1%} took the engine, in {stats.seconds:.0f} s")
         print("outcomes   " + ", ".join(f"{name} {share:.1%}" for name, share in stats.outcomes.items()))
-        print(f"quality    grasps in tenths from 0 to 1: {stats.quality}")
-        print(f"comfort    5, 25, 50, 75, 95 %: {stats.comfort_mm} mm, {stats.comfort_deg}°")
+        print(f"quality    grasps at 0, 0.1, ... 1: {', '.join(map(str, stats.quality))}")
+        moved, turned = (", ".join(map(str, values)) for values in (stats.comfort_mm, stats.comfort_deg))
+        print(f"comfort    5, 25, 50, 75, 95 % of successes: {moved} mm; {turned} degrees")
         return 0

@@ -22,6 +22,8 @@ class Generate:
     """name of a shipped recipe, or a path that ends in .yaml"""
     out: Path | None = None
     """folder of the dataset; by default one named after the recipe in the user's data folder"""
+    modelnet: Path | None = None
+    """ModelNet folder whose meshes take the place of the recipe's objects, as many of each split"""
     workers: int | None = None
     """local processes, by default one per core; 0 works in this process"""
     ray: str | None = None
@@ -34,11 +36,13 @@ class Generate:
         import msgspec
 
         from grasp_core.dataset.generate import generate
-        from grasp_core.dataset.recipe import load_recipe
+        from grasp_core.dataset.recipe import load_recipe, with_modelnet
         from grasp_core.dataset.store import DatasetStore, datasets_folder
         from grasp_core.parallel import Executor
 
         recipe = load_recipe(self.recipe)
+        if self.modelnet is not None:
+            recipe = with_modelnet(recipe, self.modelnet)
         path = self.out or datasets_folder() / recipe.name
         print(f"{path}: recipe '{recipe.name}'", file=sys.stderr)
         bars = Bars()

@@ -53,11 +53,11 @@ class Sheet:
     """Draw a contact sheet of objects into one picture."""
 
     names: Annotated[tuple[str, ...], tyro.conf.Positional] = field(default=())
-    """Families, object names or files; every family when none is given."""
+    """Families, installed sets, object names or files; every family when none is given."""
     out: Path = Path("objects.png")
     """The picture, .png or .jpg."""
     seeds: int = 3
-    """Objects of each family."""
+    """Objects of each family or set."""
     modelnet: Path | None = None
     """A ModelNet folder to draw instead."""
     folder: Path | None = None
@@ -133,10 +133,13 @@ class Export:
 
 
 def _named(name: str, seeds: int, scale: Literal["keep", "paper"] | float) -> list[ObjectAsset]:
-    """The objects of a family, of a name of the catalogue or of a file."""
+    """The objects of a family, of an installed set, of a name of the catalogue or of a file."""
     from grasp_core.objects.library import catalogue, load_object
     from grasp_core.objects.parametric import FAMILIES, make
+    from grasp_core.objects.sets import SETS, set_files
 
+    if name in SETS:
+        return [catalogue(one) for one in list(set_files(name))[:seeds]]
     if name in FAMILIES:
         return [make(name, seed) for seed in range(seeds)]
     if Path(name).suffix:

@@ -28,8 +28,7 @@ class PlanCommand:
         planner: shipped name, or a .yaml file of planner settings.
         weights: shipped name, or a .safetensors file.
         gripper: shipped name, or a .yaml file.
-        budget_ms: score no more candidates once this time is over, ms; table, quality map and one batch of scores are
-            always done.
+        budget_ms: return the best found within this time, ms; a plan that finds nothing in time says so.
         seed: of everything that is random.
         picture: write a picture of the plan here (.png).
         json: print one JSON object and nothing else.

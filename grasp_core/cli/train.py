@@ -101,12 +101,12 @@ class Pack:
 
 @dataclass(frozen=True)
 class Assess:
-    """Measure weights on a dataset: the numbers in total and per object, and two figures."""
+    """Measure weights on a dataset: the numbers in total and per object, and three figures."""
 
     dataset: Path
     """Folder of the dataset."""
     out: Path
-    """Folder for refined.png (curves, reliability) and regression.png (quality maps)."""
+    """Folder for refined.png (curves, reliability), objects.png (per object) and regression.png (quality maps)."""
     weights: str = "default"
     """Shipped name or a .safetensors file."""
     split: Literal["train", "validation", "test"] = "validation"
@@ -124,7 +124,7 @@ class Assess:
         from grasp_core.networks.runtime import load_runtime
         from grasp_core.training.assess import assess
         from grasp_core.training.corpus import load_corpus
-        from grasp_core.training.figures import classifier_figure, maps_figure
+        from grasp_core.training.figures import classifier_figure, maps_figure, objects_figure
         from grasp_core.training.scenes import Views
 
         runtime = load_runtime(self.weights)
@@ -139,12 +139,52 @@ class Assess:
         shown = [index * len(scenes) // 24 for index in range(24)] if len(scenes) > 24 else range(len(scenes))
         maps_figure(self.out / "regression.png", [scenes[k] for k in shown], [found.maps[k] for k in shown])
         per_object = found.by_object()
+        objects_figure(self.out / "objects.png", per_object)
         if self.json:
             print(msgspec.json.encode({"totals": found.totals, "objects": per_object}).decode())
             return 0
         _report(False, {name: round(value, 4) for name, value in found.totals.items()})
         for name, values in per_object.items():
             print(f"  {name:<22}", "  ".join(f"{key} {value:.3f}" for key, value in values.items()))
+        return 0
+
+
+@dataclass(frozen=True)
+class Compare:
+    """Train variants of a network for a few epochs each and compare them on validation objects (ablation)."""
+
+    dataset: Path
+    """Folder of the dataset."""
+    out: Path
+    """Folder of the runs and of ablation.csv; an interrupted ablation goes on where it stopped."""
+    ablation: str = "refined"
+    """What is compared: shipped, or a .yaml file."""
+    threads: int | None = None
+    """CPU threads; all cores by default."""
+    json: bool = False
+    """Print one JSON object a variant."""
+
+    def run(self) -> int:
+        """Train, print the rows."""
+        import torch
+
+        from grasp_core import config
+        from grasp_core.training.ablation import Ablation, run_ablation
+        from grasp_core.training.corpus import load_corpus
+
+        if self.threads is not None:
+            torch.set_num_threads(self.threads)
+        progress = sys.stderr.isatty()
+        chosen = config.load("ablations", self.ablation, Ablation)
+        rows = run_ablation(
+            chosen, lambda views: load_corpus(self.dataset, views, progress=progress), self.out, progress=progress
+        )
+        for row in rows:
+            if self.json:
+                print(msgspec.json.encode(row).decode(), flush=True)
+                continue
+            words = "  ".join(f"{name} {value:.4f}" for name, value in row.metrics.items())
+            print(f"{row.variant:<30} {row.parameters:>10,} parameters  {row.seconds:7.1f} s  {words}", flush=True)
         return 0
 
 
@@ -183,7 +223,7 @@ def train_one(network: Literal["regression", "refined"], options: _Common, setti
         task, fit = train_refined(
             corpus.train, corpus.validation, chosen, opening, options.out, about=about, progress=progress
         )
-        test = task.measures(task.cut(corpus.test)) if corpus.test else {}
+        test = task.measures(corpus.test) if corpus.test else {}
         part = msgspec.structs.replace(part, crop=chosen.crop, width=chosen.width)
         network_module: torch.nn.Module = task.network
     else:

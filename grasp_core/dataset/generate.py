@@ -275,6 +275,8 @@ def generate(
                     for k, pose in missing
                 ]
         summary.before = total - len(items)
+        # Shuffled, so that what is done at any time is a fair sample: the time left is told well, and splits grow together.
+        np.random.default_rng(recipe.seed).shuffle(items)
         tell(Progress("scenes", summary.before, total))
         for _, record in map_scenes(make_scene, items, executor, cancelled=cancelled):
             if store.add_scene(record):

@@ -7,6 +7,8 @@ any executor, any machine and any interruption end in the same content.
 from __future__ import annotations
 
 import hashlib
+import itertools
+from collections import Counter
 from pathlib import Path
 from typing import Literal
 
@@ -16,6 +18,7 @@ from grasp_core import config
 from grasp_core.dataset.rows import SPLITS, Split
 from grasp_core.errors import ConfigError, MeshError
 from grasp_core.objects.asset import ObjectAsset
+from grasp_core.objects.sets import set_files, set_of
 from grasp_core.planning.crops import DepthRule
 from grasp_core.simulation.trial import GraspNoise
 
@@ -27,11 +30,15 @@ class Folder(config.Settings):
         path: of the folder.
         scale: "keep" takes the numbers as metres, "paper" resizes the longest side to 10-20 cm, a number multiplies.
         most: at most so many files, in the order of their paths; None takes all.
+        skip: so many files before those.
+        modelnet: the folder is laid out as ModelNet's; take this split of it, its classes in turn.
     """
 
     path: str
     scale: Literal["keep", "paper"] | float = "keep"
     most: int | None = None
+    skip: int = 0
+    modelnet: Literal["train", "test"] | None = None
 
 
 class Objects(config.Settings):
@@ -40,7 +47,7 @@ class Objects(config.Settings):
     Attributes:
         families: parametric family → how many of it.
         first: seed of the first object of each family; the next ones follow.
-        names: single objects of the catalogue, such as "mug_003".
+        names: single objects of the catalogue, such as "mug_003", or of an installed set, such as "random_urdfs_003".
         folders: of meshes.
     """
 
@@ -118,7 +125,7 @@ class ObjectPlan(msgspec.Struct, frozen=True):
     Attributes:
         name: unique in the dataset.
         split: that it belongs to.
-        family: parametric family or "" for files.
+        family: parametric family or installed set, "" for files.
         seed: of the family member, or of the drawn size of a file.
         file: of a mesh or URDF, or "".
         scale: of a file.
@@ -137,13 +144,11 @@ class ObjectPlan(msgspec.Struct, frozen=True):
         Raises:
             MeshError: its file cannot be used.
         """
-        if self.family:
-            from grasp_core.objects.parametric import make
+        from grasp_core.objects.library import catalogue, load_object
 
-            return make(self.family, self.seed)
-        from grasp_core.objects.library import load_object
-
-        return load_object(Path(self.file), scale=self.scale, seed=self.seed, name=self.name)
+        if self.file:
+            return load_object(Path(self.file), scale=self.scale, seed=self.seed, name=self.name)
+        return catalogue(self.name)
 
 
 def name_seed(seed: int, *names: str) -> int:
@@ -156,7 +161,8 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
     """Every object of a recipe, split by split.
 
     Raises:
-        ConfigError: an unknown family, a missing folder, no objects, or one object that is asked for twice.
+        ConfigError: an unknown family, a set that is not installed, a missing folder, no objects, or one object that is
+            asked for twice.
     """
     plans: dict[str, ObjectPlan] = {}
     for split in SPLITS:
@@ -175,14 +181,25 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
 def _split_plans(recipe: Recipe, split: Split) -> list[ObjectPlan]:
     objects = recipe.objects(split)
     known = _families()
+    try:  # before hours of work that would leave their objects out
+        sets = {owner: set_files(owner) for owner in {set_of(name) for name in objects.names} if owner is not None}
+    except MeshError as error:
+        raise ConfigError(f"recipe '{recipe.name}': {error}") from error
     plans = []
     wanted = [
         (family, seed) for family, n in objects.families.items() for seed in range(objects.first, objects.first + n)
     ]
     for name in objects.names:
+        if (owner := set_of(name)) is not None:
+            if name not in sets[owner]:
+                raise ConfigError(f"recipe '{recipe.name}': the set '{owner}' has no object '{name}'")
+            plans.append(ObjectPlan(name, split, owner))
+            continue
         family, _, number = name.rpartition("_")
         if not number.isdigit():
-            raise ConfigError(f"recipe '{recipe.name}': '{name}' is no object of the catalogue (such as mug_003)")
+            raise ConfigError(
+                f"recipe '{recipe.name}': '{name}' is no object of the catalogue (such as mug_003) or of a set"
+            )
         wanted.append((family, int(number)))
     for family, seed in wanted:
         if family not in known:
@@ -202,16 +219,53 @@ def _families() -> set[str]:
 
 
 def _folder_plans(recipe: Recipe, split: Split, folder: Folder) -> list[ObjectPlan]:
-    from grasp_core.objects.library import find_files
-
     root = Path(folder.path)
     try:
-        found = find_files(root)
+        named = _modelnet_files(root, folder.modelnet) if folder.modelnet else _mesh_files(root)
     except MeshError as error:
         raise ConfigError(f"recipe '{recipe.name}': {error}") from error
     plans = []
-    for path in found[: folder.most]:
-        name = path.relative_to(root).with_suffix("").as_posix()
+    for name, path in named[folder.skip :][: folder.most]:
         seed = name_seed(recipe.seed, "scale", name) % 2**32
         plans.append(ObjectPlan(name, split, "", seed, str(path), folder.scale))
     return plans
+
+
+def _mesh_files(root: Path) -> list[tuple[str, Path]]:
+    from grasp_core.objects.library import find_files
+
+    return [(path.relative_to(root).with_suffix("").as_posix(), path) for path in find_files(root)]
+
+
+def _modelnet_files(root: Path, part: str) -> list[tuple[str, Path]]:
+    """Names and files of a split of ModelNet: the first of each class, the second of each, …"""
+    from grasp_core.objects.modelnet import find_modelnet
+
+    classes: dict[str, list[Path]] = {}
+    for path, label, _ in find_modelnet(root, split=part):
+        classes.setdefault(label, []).append(path)
+    turns = itertools.zip_longest(*classes.values())
+    return [(path.stem, path) for turn in turns for path in turn if path is not None]
+
+
+def with_modelnet(recipe: Recipe, path: str | Path) -> Recipe:
+    """The recipe with ModelNet's meshes in place of its objects, as many of each split, at the paper's scale.
+
+    ModelNet's test meshes stay test objects; its train meshes are learnt from, the next ones of them validate.
+
+    Raises:
+        ConfigError: the recipe's own objects cannot be planned.
+    """
+    counts = Counter(plan.split for plan in plan_objects(recipe))
+    root = str(Path(path).expanduser().resolve())
+
+    def part(name: Literal["train", "test"], most: int, skip: int = 0) -> Objects:
+        return Objects(folders=(Folder(root, "paper", most, skip, name),))
+
+    return msgspec.structs.replace(
+        recipe,
+        name=f"{recipe.name}-modelnet",
+        train=part("train", counts["train"]),
+        validation=part("train", counts["validation"], skip=counts["train"]),
+        test=part("test", counts["test"]),
+    )

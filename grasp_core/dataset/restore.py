@@ -16,7 +16,7 @@ from grasp_core.dataset.archive import ABSENT, OUTCOMES, STEPS, Archive, SceneHe
 from grasp_core.dataset.content import SceneRecord
 from grasp_core.dataset.database import FILE
 from grasp_core.dataset.recipe import Recipe
-from grasp_core.dataset.rows import AttemptRow, Split, camera_from_json
+from grasp_core.dataset.rows import AttemptRow, camera_from_json
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import StoreError
 from grasp_core.grasp import Grasp
@@ -29,28 +29,6 @@ from grasp_core.simulation.physics import Physics
 from grasp_core.simulation.trial import GraspNoise, child_seed
 
 _WORDS = "restored from an archive; run the attempt again for all of its evidence"
-
-
-def sample_scenes(archive: Archive, train: int = 10, validation: int = 3, test: int = 3) -> list[str]:
-    """The scenes of the sample dataset: the likeliest poses of objects of as many categories as possible, per split."""
-    wanted: dict[Split, int] = {"train": train, "validation": validation, "test": test}
-    objects = {item.name: item for item in archive.head.objects}
-    chosen: list[str] = []
-    seen: set[str] = set()
-    for split, count in wanted.items():
-        first = [s for s in archive.head.scenes if s.pose == 0 and objects[s.object].split == split]
-        first.sort(key=lambda scene: (objects[scene.object].category in seen, scene.name))
-        fresh: list[str] = []
-        kinds: set[str] = set()
-        for again in (False, True):  # new categories first, then whatever there is
-            for scene in first:
-                kind = objects[scene.object].category
-                if len(fresh) < count and scene.name not in fresh and (again or kind not in kinds | seen):
-                    fresh.append(scene.name)
-                    kinds.add(kind)
-        seen |= kinds
-        chosen += fresh
-    return chosen
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,9 @@ class Stats(msgspec.Struct, frozen=True, kw_only=True):
         attempts: with a verdict.
         dynamic_share: of all attempts, those that took the engine.
         outcomes: outcome → share of the attempts.
-        quality: number of grasps in each of ten equal bins over [0, 1].
+        quality: number of grasps whose quality rounds to 0, 0.1, … 1.
         graspable: category → share of its scenes with at least one grasp of quality 1.
+        good_grasps: object → share of its grasps that have quality 1.
         graspable_scenes: split → number of such scenes.
         comfort_mm: quantiles 5, 25, 50, 75, 95 % of the objects' motion in the gripper, successes only.
         comfort_deg: the same of their rotation.
@@ -44,14 +45,19 @@ class Stats(msgspec.Struct, frozen=True, kw_only=True):
     outcomes: dict[str, float]
     quality: list[int]
     graspable: dict[str, float]
+    good_grasps: dict[str, float]
     graspable_scenes: dict[str, int]
     comfort_mm: list[float]
     comfort_deg: list[float]
     seconds: float
 
 
-_BINS = 10
+_TENTHS = 10
 _QUANTILES = (5, 25, 50, 75, 95)
+_OUTCOMES = {"SUCCESS": "#2a9d55", "COLLISION": "#c0392b", "MISSED": "#8d99a6", "SLIPPED": "#e09f3e"}
+"""Outcome → its colour."""
+_SPLITS = {"train": "#33658a", "validation": "#8e5ba6", "test": "#e0742f"}
+"""Split → its colour."""
 
 
 def compute_stats(store: DatasetStore) -> Stats:
@@ -66,7 +72,15 @@ def compute_stats(store: DatasetStore) -> Stats:
     row = store.rows(f"SELECT count(*), sum(attempts), {', '.join(f'sum({name})' for name in _COUNTS)} FROM samples")[0]
     grasps, attempts = int(row[0]), int(row[1] or 0)
     dynamic = store.rows("SELECT avg(dynamic) FROM attempts")[0][0]
-    quality = np.array([r[0] for r in store.rows("SELECT quality FROM samples WHERE quality IS NOT NULL")], float)
+    tenths = store.rows(
+        f"SELECT CAST(round({_TENTHS} * quality) AS INTEGER), count(*) FROM samples"
+        " WHERE quality IS NOT NULL GROUP BY 1"
+    )
+    counts = {int(tenth): int(count) for tenth, count in tenths}
+    good = store.rows(
+        "SELECT objects.name, avg(quality = 1) FROM samples JOIN objects ON objects.id = samples.object"
+        " WHERE quality IS NOT NULL GROUP BY objects.name ORDER BY objects.name"
+    )
     categories = sorted({scene.category for scene in scenes})
     comfort = np.array(
         [tuple(r) for r in store.rows("SELECT comfort_m, comfort_rad FROM attempts WHERE comfort_m IS NOT NULL")]
@@ -77,14 +91,12 @@ def compute_stats(store: DatasetStore) -> Stats:
         grasps=grasps,
         attempts=attempts,
         dynamic_share=float(dynamic or 0.0),
-        outcomes={
-            name: float(row[2 + index] or 0) / max(attempts, 1)
-            for index, name in enumerate(("SUCCESS", "COLLISION", "MISSED", "SLIPPED"))
-        },
-        quality=np.bincount(np.minimum((quality * _BINS + 1e-9).astype(int), _BINS - 1), minlength=_BINS).tolist(),
+        outcomes={name: float(row[2 + index] or 0) / max(attempts, 1) for index, name in enumerate(_OUTCOMES)},
+        quality=[counts.get(tenth, 0) for tenth in range(_TENTHS + 1)],
         graspable={
             name: float(np.mean([scene.best == 1 for scene in scenes if scene.category == name])) for name in categories
         },
+        good_grasps={str(name): float(share) for name, share in good},
         graspable_scenes={split: sum(r.split == split and r.best == 1 for r in scenes) for split in SPLITS},
         comfort_mm=[round(float(v), 2) for v in np.percentile(comfort[:, 0] * 1000, _QUANTILES)]
         if len(comfort)
@@ -100,7 +112,7 @@ def draw_stats(store: DatasetStore, stats: Stats, file: str | Path) -> None:
     """Draw outcome shares, the histogram of quality, graspable shares and comfort into one PNG.
 
     Raises:
-        GraspError: matplotlib is missing.
+        GraspError: matplotlib is missing, or the file cannot be written.
     """
     try:
         import matplotlib
@@ -109,40 +121,72 @@ def draw_stats(store: DatasetStore, stats: Stats, file: str | Path) -> None:
         import matplotlib.pyplot as plt
     except ImportError as error:
         raise GraspError("pictures need matplotlib; pip install 'grasp-workbench[report]'") from error
-    height = max(7.0, 0.19 * len(stats.graspable) + 1.0)
     figure, panels = plt.subplot_mosaic(
-        [["outcomes", "graspable"], ["quality", "graspable"], ["comfort", "graspable"]],
-        figsize=(11, height),
+        [["outcomes", "objects"], ["quality", "objects"], ["comfort_mm", "objects"], ["comfort_deg", "objects"]],
+        figsize=(12, max(9.0, 0.19 * len(stats.graspable) + 1.5)),
         layout="constrained",
     )
-    figure.suptitle(f"{store.meta.name}: {sum(stats.scenes.values())} scenes, {stats.attempts} attempts")
-    colours = {"SUCCESS": "#2a9d55", "COLLISION": "#c0392b", "MISSED": "#8d99a6", "SLIPPED": "#e09f3e"}
+    scenes = ", ".join(f"{count} {split}" for split, count in stats.scenes.items())
+    figure.suptitle(f"{store.meta.name}: {scenes} scenes; {stats.grasps:,} grasps, {stats.attempts:,} attempts")
     bars = panels["outcomes"].bar(
-        list(stats.outcomes), [100 * share for share in stats.outcomes.values()], color=list(colours.values())
+        list(stats.outcomes), [100 * share for share in stats.outcomes.values()], color=list(_OUTCOMES.values())
     )
     panels["outcomes"].bar_label(bars, fmt="%.1f %%")
-    panels["outcomes"].set(title="outcomes of attempts", ylabel="%", ylim=(0, 110 * max(stats.outcomes.values()) + 1))
-    edges = np.linspace(0, 1, _BINS + 1)
-    panels["quality"].bar(edges[:-1], stats.quality, width=1 / _BINS, align="edge", color="#33658a", edgecolor="white")
-    panels["quality"].set(
-        title="quality of grasps (log scale)", xlabel="successes / attempts", yscale="log", xlim=(0, 1)
-    )
-    _draw_comfort(store, panels["comfort"])
-    names = sorted(stats.graspable, key=lambda name: (stats.graspable[name], name))
-    panels["graspable"].barh(names, [100 * stats.graspable[name] for name in names], color="#2a9d55")
-    panels["graspable"].set(
-        title="scenes with a grasp of quality 1", xlabel="% of the category's scenes", xlim=(0, 100)
-    )
-    panels["graspable"].set_ylim(-0.6, len(names) - 0.4)
-    panels["graspable"].tick_params(axis="y", labelsize=7)
-    figure.savefig(file, dpi=110)
-    plt.close(figure)
+    panels["outcomes"].set(title="outcomes of attempts", ylabel="%", ylim=(0, 118 * max(stats.outcomes.values()) + 1))
+    _draw_quality(stats, panels["quality"])
+    _draw_comfort(store, panels["comfort_mm"], "comfort_m", 1000.0, 50, "mm")
+    _draw_comfort(store, panels["comfort_deg"], "comfort_rad", 180 / np.pi, 90, "°")
+    _draw_objects(store, stats, panels["objects"])
+    try:
+        figure.savefig(file, dpi=110)
+    except (OSError, ValueError) as error:
+        raise GraspError(f"{file}: cannot be written ({error}); give a .png in a folder that exists") from error
+    finally:
+        plt.close(figure)
 
 
-def _draw_comfort(store: DatasetStore, axes: Axes) -> None:
-    found = store.rows("SELECT comfort_m FROM attempts WHERE comfort_m IS NOT NULL")
-    moved = 1000 * np.array([row[0] for row in found])
-    axes.hist(np.clip(moved, 0, 50), bins=50, range=(0, 50), color="#e09f3e")
+def _draw_quality(stats: Stats, axes: Axes) -> None:
+    bars = axes.bar(np.arange(_TENTHS + 1) / _TENTHS, stats.quality, width=0.08, color="#33658a")
+    axes.bar_label(bars, [f"{count:,}" if count else "" for count in stats.quality], fontsize=7)
     axes.set(
-        title="comfort: motion in the gripper, successes", xlabel="mm (50 and more in the last bin)", ylabel="attempts"
+        title="quality of grasps (log scale)",
+        xlabel="successes / attempts",
+        ylabel="grasps",
+        yscale="log",
+        ylim=(0.7, 4 * max(stats.quality) + 1),
+        xlim=(-0.06, 1.06),
+        xticks=np.arange(6) / 5,
     )
+
+
+def _draw_comfort(store: DatasetStore, axes: Axes, column: str, factor: float, most: int, unit: str) -> None:
+    found = store.rows(f"SELECT {column} FROM attempts WHERE {column} IS NOT NULL")
+    moved = factor * np.array([row[0] for row in found], float)
+    axes.hist(np.clip(moved, 0, most), bins=50, range=(0, most), color=_OUTCOMES["SUCCESS"])
+    if len(moved):
+        axes.axvline(float(np.median(moved)), color="#333333", linestyle="--", linewidth=1)
+    what = "motion" if column == "comfort_m" else "rotation"
+    axes.set(
+        title=f"comfort: {what} in the gripper, successes (median dashed)",
+        xlabel=f"{unit} ({most} and more in the last bin)",
+        ylabel="attempts",
+        xlim=(0, most),
+    )
+
+
+def _draw_objects(store: DatasetStore, stats: Stats, axes: Axes) -> None:
+    """A row a category, a dot an object in its split's colour; those without a perfect grasp are hollow."""
+    rows = [row for row in store.objects() if row.name in stats.good_grasps]
+    kinds = {name: [stats.good_grasps[row.name] for row in rows if row.category == name] for name in stats.graspable}
+    order = sorted((name for name in kinds if kinds[name]), key=lambda name: (np.mean(kinds[name]), name))
+    for split, colour in _SPLITS.items():
+        own = [(100 * stats.good_grasps[row.name], order.index(row.category)) for row in rows if row.split == split]
+        shares, heights = np.array(own, float).reshape(-1, 2).T
+        faces = [colour if share > 0 else "none" for share in shares]
+        axes.scatter(shares, heights, s=26, c=faces, edgecolors=colour, label=f"{split} ({len(own)})", zorder=3)
+    axes.set(title="objects: share of grasps with quality 1 (hollow: none)", xlabel="% of the object's grasps")
+    axes.set_yticks(range(len(order)), order, fontsize=7)
+    axes.set_ylim(-0.7, len(order) - 0.3)
+    axes.set_xlim(left=-0.5)
+    axes.grid(axis="both", color="#e5e5e5", zorder=0)
+    axes.legend(loc="lower right")

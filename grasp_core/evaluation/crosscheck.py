@@ -9,10 +9,9 @@ import cv2
 import msgspec
 import numpy as np
 
-from grasp_core.dataset.recipe import ObjectPlan
 from grasp_core.errors import GraspError
 from grasp_core.evaluation.seeds import child_seed
-from grasp_core.evaluation.suites import poses_of
+from grasp_core.evaluation.suites import PlannedObject, poses_of
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.parallel import Executor, map_scenes
@@ -80,7 +79,7 @@ class Line(msgspec.Struct, frozen=True):
 class Work(msgspec.Struct, frozen=True):
     """One piece of work for a process."""
 
-    source: ObjectPlan
+    source: PlannedObject
     pose: int
     engine: str
     start: int
@@ -161,7 +160,7 @@ def judge(work: Work) -> Line:
 
 
 def run_crosscheck(
-    sources: Sequence[ObjectPlan],
+    sources: Sequence[PlannedObject],
     plan: Plan,
     gripper: Gripper,
     physics: Physics,
@@ -223,7 +222,7 @@ def _open_log(out: Path, plan: Plan) -> list[Line]:
 
 
 def _report(
-    sources: Sequence[ObjectPlan], plan: Plan, gripper: Gripper, physics: Physics, lines: Sequence[Line], out: Path
+    sources: Sequence[PlannedObject], plan: Plan, gripper: Gripper, physics: Physics, lines: Sequence[Line], out: Path
 ) -> Crosscheck:
     verdicts: dict[str, dict[tuple[str, int, int], str]] = {name: {} for name in ("dart", *plan.engines)}
     qualities: dict[str, dict[tuple[str, int, int], float]] = {"dart": {}, "mujoco": {}}
@@ -261,7 +260,7 @@ def _report(
 
 
 def _draw(
-    sources: Sequence[ObjectPlan],
+    sources: Sequence[PlannedObject],
     plan: Plan,
     gripper: Gripper,
     physics: Physics,

@@ -173,7 +173,7 @@ def run_latency(
     exhaustive = None
     name = ""
     for backend in installed:
-        runtime = load_runtime(weights, backend)
+        runtime = load_runtime(weights, backend, precision="auto")
         name = name or runtime.backend
         cascade = make_planner("cascade", gripper=gripper, runtime=runtime)
         backends[runtime.backend] = time_planner(cascade, images, repeats, seed)

@@ -14,14 +14,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core.dataset.recipe import ObjectPlan
 from grasp_core.errors import GraspError
 from grasp_core.evaluation.benchmark import ORACLE, Benchmark
 from grasp_core.evaluation.judge import SceneItem, judge_scene, ready_planner
 from grasp_core.evaluation.oracle import Verified, verified_grasps
 from grasp_core.evaluation.records import Log
 from grasp_core.evaluation.scenes import SceneSpec, choose_poses
-from grasp_core.evaluation.suites import object_plans, poses_of
+from grasp_core.evaluation.suites import PlannedObject, object_plans, poses_of
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.parallel import Executor, map_scenes
 from grasp_core.simulation.physics import Physics
@@ -79,7 +78,7 @@ def run_benchmark(
 
 @dataclass(frozen=True)
 class _ObjectItem:
-    plan: ObjectPlan
+    plan: PlannedObject
     physics: Physics
 
 
@@ -98,7 +97,7 @@ def _make_object(item: _ObjectItem) -> _Made | str:
 
 
 def _make_objects(
-    benchmark: Benchmark, plans: Sequence[ObjectPlan], executor: Executor | None, tell: Tell
+    benchmark: Benchmark, plans: Sequence[PlannedObject], executor: Executor | None, tell: Tell
 ) -> tuple[list[_Made], dict[str, str]]:
     tell("objects", 0, len(plans))
     made: dict[int, _Made] = {}

@@ -3,13 +3,38 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import msgspec
 import numpy as np
 
 from grasp_core.evaluation.records import Log, PlanRecord, SceneRecord
 from grasp_core.evaluation.report import Rate, pool, table
+from grasp_core.training.metrics import ece
+
+THRESHOLDS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
+"""Least scores t at which a planner with networks is looked at again."""
+
+_FIVE = 5
+"""Candidates that a plan should have."""
+
+
+class AtThreshold(msgspec.Struct, frozen=True):
+    """What a planner would have come to with a higher t; it would also have looked at more regions.
+
+    Attributes:
+        threshold: t.
+        top1: as in `PlannerSummary`.
+        all: as there.
+        empty: as there.
+        abstained_on_ungraspable: as there.
+    """
+
+    threshold: float
+    top1: Rate
+    all: Rate
+    empty: int
+    abstained_on_ungraspable: int
 
 
 class PlannerSummary(msgspec.Struct, frozen=True):
@@ -27,6 +52,10 @@ class PlannerSummary(msgspec.Struct, frozen=True):
             a grasp there.
         plan_median_ms: of the wall time of a plan; None without scenes.
         candidates_median: returned candidates on graspable scenes.
+        five_candidates: graspable scenes with at least five candidates.
+        calibration_error: of the scores of all executed candidates against the shares of them that succeeded, in ten
+            bins; None for planners without networks and without candidates.
+        at_thresholds: of planners with networks, from the least score that they returned on.
         outcomes: of the best candidates' executions on graspable scenes, by name.
         redrawn: executions whose solver diverged, on all scenes; they count as failures.
         weights: name and digest of what was planned with, one unless the weights changed under their name.
@@ -44,6 +73,9 @@ class PlannerSummary(msgspec.Struct, frozen=True):
     grasped_ungraspable: int
     plan_median_ms: float | None
     candidates_median: float | None
+    five_candidates: int
+    calibration_error: float | None
+    at_thresholds: tuple[AtThreshold, ...]
     outcomes: dict[str, int]
     redrawn: int
     weights: list[str]
@@ -79,10 +111,7 @@ def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> Plan
     times = [plan.plan_ms for _, plan in pairs]
     return PlannerSummary(
         top1=_top1((plan for _, plan in good), attempts),
-        all=pool(
-            [sum(candidate.successes for candidate in plan.candidates) for _, plan in good],
-            [sum(len(candidate.outcomes) for candidate in plan.candidates) for _, plan in good],
-        ),
+        all=_all([plan for _, plan in good]),
         scenes=len(pairs),
         graspable=len(good),
         ungraspable=len(bad),
@@ -93,6 +122,9 @@ def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> Plan
         ),
         plan_median_ms=round(float(np.median(times)), 3) if times else None,
         candidates_median=float(np.median([len(plan.candidates) for _, plan in good])) if good else None,
+        five_candidates=sum(len(plan.candidates) >= _FIVE for _, plan in good),
+        calibration_error=_calibration([plan for _, plan in pairs if plan.weights]),
+        at_thresholds=_at_thresholds([plan for _, plan in good], bad, attempts),
         outcomes=dict(sorted(outcomes.items())),
         redrawn=sum(bool(r) for _, plan in pairs for candidate in plan.candidates for r in candidate.redraws),
         weights=sorted({plan.weights for _, plan in pairs if plan.weights}),
@@ -109,6 +141,49 @@ def _top1(plans: Iterable[PlanRecord], attempts: int) -> Rate:
     return pool([s for s, _ in counts], [n for _, n in counts])
 
 
+def _all(plans: Sequence[PlanRecord]) -> Rate:
+    return pool(
+        [sum(candidate.successes for candidate in plan.candidates) for plan in plans],
+        [sum(len(candidate.outcomes) for candidate in plan.candidates) for plan in plans],
+    )
+
+
+def _calibration(plans: Sequence[PlanRecord]) -> float | None:
+    """Expected calibration error in ten bins of the executed candidates of planners with networks."""
+    executed = [candidate for plan in plans for candidate in plan.candidates]
+    if not executed:
+        return None
+    scores = [candidate.score for candidate in executed]
+    shares = [candidate.successes / len(candidate.outcomes) for candidate in executed]
+    return round(ece(scores, shares, 10), 4)
+
+
+def _at_thresholds(good: Sequence[PlanRecord], bad: Sequence[PlanRecord], attempts: int) -> tuple[AtThreshold, ...]:
+    """The figures for every threshold that lies above what was returned anyway."""
+    scores = [candidate.score for plan in (*good, *bad) if plan.weights for candidate in plan.candidates]
+    found = []
+    for threshold in THRESHOLDS if scores else ():
+        if threshold < min(scores):
+            continue
+        kept_good, kept_bad = (
+            [
+                msgspec.structs.replace(plan, candidates=tuple(c for c in plan.candidates if c.score >= threshold))
+                for plan in plans
+            ]
+            for plans in (good, bad)
+        )
+        found.append(
+            AtThreshold(
+                threshold,
+                _top1(kept_good, attempts),
+                _all(kept_good),
+                sum(not plan.candidates for plan in kept_good),
+                sum(not plan.candidates for plan in kept_bad),
+            )
+        )
+    return tuple(found)
+
+
 def text(summaries: dict[str, PlannerSummary]) -> str:
     """The figures for people: planners first, then the objects; intervals are the ones over scenes."""
     if not summaries:
@@ -120,12 +195,13 @@ def text(summaries: dict[str, PlannerSummary]) -> str:
             s.all.text,
             f"{s.graspable}/{s.scenes}",
             s.empty,
+            f"{s.five_candidates}/{s.graspable}",
             f"{s.abstained_on_ungraspable}/{s.ungraspable}",
             "-" if s.plan_median_ms is None else f"{s.plan_median_ms:.1f}",
         )
         for name, s in summaries.items()
     ]
-    head = ("planner", "top-1", "all candidates", "graspable", "empty", "abstained", "plan ms")
+    head = ("planner", "top-1", "all candidates", "graspable", "empty", "five", "abstained", "plan ms")
     objects = list(dict.fromkeys(name for s in summaries.values() for name in s.objects))
     off = {name: f"{100 * s.shape_off[name]:.0f} %" for s in summaries.values() for name in s.shape_off}
     cells = [
@@ -141,4 +217,16 @@ def text(summaries: dict[str, PlannerSummary]) -> str:
     ]
     lines = [table(head, rows), "", table(("top-1 by object", *summaries, "parts off"), cells)]
     lines += ["", *(f"{name}: {', '.join(f'{o} {n}' for o, n in s.outcomes.items())}" for name, s in summaries.items())]
+    for name, s in summaries.items():
+        if s.at_thresholds:
+            lines += ["", *_threshold_lines(name, s)]
     return "\n".join(lines)
+
+
+def _threshold_lines(name: str, s: PlannerSummary) -> list[str]:
+    rows = [
+        (f"{a.threshold:.2f}", a.top1.text, a.all.text, a.empty, f"{a.abstained_on_ungraspable}/{s.ungraspable}")
+        for a in s.at_thresholds
+    ]
+    head = (f"{name} with t", "top-1", "all candidates", "empty", "abstained")
+    return [table(head, rows), f"calibration error of what was executed: {s.calibration_error:.3f}"]

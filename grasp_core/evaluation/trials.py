@@ -17,10 +17,10 @@ import numpy as np
 
 from grasp_core.camera import canonical_camera
 from grasp_core.dataset.generate import grid_grasps
-from grasp_core.dataset.recipe import ObjectPlan, load_recipe
+from grasp_core.dataset.recipe import load_recipe
 from grasp_core.errors import GraspError
 from grasp_core.evaluation.seeds import generator
-from grasp_core.evaluation.suites import poses_of
+from grasp_core.evaluation.suites import PlannedObject, poses_of
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.parallel import Executor, map_scenes
@@ -111,7 +111,7 @@ class TrialSpeed(msgspec.Struct, frozen=True):
 class Work(msgspec.Struct, frozen=True):
     """What one process does: some of an object's grid."""
 
-    plan: ObjectPlan
+    plan: PlannedObject
     gripper: Gripper
     physics: Physics
     share: float
@@ -197,7 +197,7 @@ def two_process_speedup(works: Sequence[Work]) -> float:
 
 
 def run_trials(
-    plans: Sequence[ObjectPlan],
+    plans: Sequence[PlannedObject],
     gripper: Gripper,
     physics: Physics,
     *,

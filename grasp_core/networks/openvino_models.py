@@ -86,6 +86,11 @@ def refined_model(tensors: Tensors, size: int) -> openvino.Model:
     return openvino.Model([x], [source], "refined")
 
 
+def native_bf16() -> bool:
+    """Whether the processor computes in bfloat16 by itself."""
+    return "BF16" in openvino.Core().get_property("CPU", "OPTIMIZATION_CAPABILITIES")
+
+
 def compile_models(
     regression: Tensors, refined: Tensors, size: int, *, threads: int | None, precision: str
 ) -> tuple[openvino.InferRequest, openvino.InferRequest]:

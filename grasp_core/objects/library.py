@@ -32,9 +32,9 @@ def catalogue(name: str) -> ObjectAsset:
     Raises:
         MeshError: not such a name, or no such family (the message lists them).
     """
-    from grasp_core.objects.sets import SETS, set_object  # which builds on this module
+    from grasp_core.objects.sets import set_object, set_of  # which builds on this module
 
-    if name.startswith(tuple(f"{prefix}_" for prefix in SETS)):
+    if set_of(name) is not None:
         return set_object(name)
     found = re.fullmatch(r"([a-z][a-z0-9_]*?)_(\d{3,6})", name)
     if found is None:
@@ -73,7 +73,7 @@ def load_object(
     """
     path = Path(path).expanduser()
     name = name or path.stem
-    category = category or re.sub(r"[_\-]?\d+$", "", name) or name
+    category = category or re.sub(r"[_\-]?\d+$", "", name.rpartition("/")[2]) or name
     meta = {"file": path.name}
     if path.suffix.lower() == ".urdf":
         found = read_urdf(path, timeout_s=timeout_s)

@@ -1,4 +1,8 @@
-"""Sets of meshes that users can install (extra `objects`): read from the installed packages, never copied into ours."""
+"""Sets of meshes that users can install (extra `objects`), read from the installed packages.
+
+"rgb" are the RGB objects of dm_robotics (Apache-2.0), "random_urdfs" those of PyBullet's data (zlib). Archives of
+labels hold the cleaned meshes and parts of the objects that their recipe names: restoring them needs no set.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,11 @@ SETS = {
     "random_urdfs": ("pybullet_data", "random_urdfs", "*/*.urdf"),
 }
 """Set → (package that holds it, folder in it, pattern)."""
+
+
+def set_of(name: str) -> str | None:
+    """The set that an object's name belongs to, whether it is installed or not."""
+    return next((owner for owner in SETS if name.startswith(f"{owner}_")), None)
 
 
 def set_files(name: str) -> dict[str, Path]:
@@ -42,14 +51,12 @@ def set_object(full_name: str, *, timeout_s: float = 60.0) -> ObjectAsset:
     Raises:
         MeshError: no such object or set, the set is not installed, or its file cannot be used.
     """
-    for name in SETS:
-        if full_name.startswith(name + "_"):
-            files = set_files(name)
-            if full_name not in files:
-                raise MeshError(
-                    f"the set '{name}' has no object '{full_name}'; `set_files` lists its {len(files)} names"
-                )
-            asset = load_object(files[full_name], name=full_name, category=name, timeout_s=timeout_s)
-            asset.meta["split"] = files[full_name].parent.name if name == "rgb" else "train"
-            return asset
-    raise MeshError(f"'{full_name}' belongs to no installable set; their names begin with: {', '.join(SETS)}")
+    name = set_of(full_name)
+    if name is None:
+        raise MeshError(f"'{full_name}' belongs to no installable set; their names begin with: {', '.join(SETS)}")
+    files = set_files(name)
+    if full_name not in files:
+        raise MeshError(f"the set '{name}' has no object '{full_name}'; `set_files` lists its {len(files)} names")
+    asset = load_object(files[full_name], name=full_name, category=name, timeout_s=timeout_s)
+    asset.meta["split"] = files[full_name].parent.name if name == "rgb" else "train"
+    return asset

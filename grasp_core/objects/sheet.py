@@ -12,6 +12,9 @@ from grasp_core.objects.asset import ObjectAsset
 
 _LIGHT = np.array([-0.4, 0.7, 0.6]) / np.linalg.norm([-0.4, 0.7, 0.6])
 """In the picture's axes: right, up, towards the viewer."""
+_FONT = (cv2.FONT_HERSHEY_SIMPLEX, 0.36)
+_CAPTION = 49
+"""Pixels of the three lines below a picture."""
 _COLOURS = [(214, 159, 94), (96, 164, 244), (120, 190, 120), (180, 130, 200), (90, 200, 210), (140, 140, 230)]
 
 
@@ -57,23 +60,26 @@ def picture(asset: ObjectAsset, size: int = 180, *, parts: bool = False, turn: f
 def sheet(
     assets: Sequence[ObjectAsset], columns: int = 10, size: int = 180, *, parts: bool = False
 ) -> NDArray[np.uint8]:
-    """Pictures of objects in rows with name and sides (cm) below, (H, W, 3) BGR."""
+    """Pictures of objects in rows with name, sides (cm) and number of parts below, (H, W, 3) BGR."""
     rows = -(-len(assets) // columns)
-    height = size + 34
+    height = size + _CAPTION
     image = np.full((rows * height, columns * size, 3), 255, np.uint8)
     for i, asset in enumerate(assets):
         y, x = i // columns * height, i % columns * size
         image[y : y + size, x : x + size] = picture(asset, size, parts=parts)
         sides = " x ".join(f"{side * 100:.1f}" for side in asset.extents)
-        for line, text in enumerate((asset.name, f"{sides} cm, {len(asset.parts)} parts")):
-            cv2.putText(
-                image,
-                text,
-                (x + 4, y + size + 12 + 15 * line),
-                cv2.FONT_HERSHEY_SIMPLEX,
-                0.36,
-                (60, 60, 60),
-                1,
-                cv2.LINE_AA,
-            )
+        number = f"{len(asset.parts)} part{'s' * (len(asset.parts) > 1)}"
+        for line, text in enumerate((asset.name, f"{sides} cm", number)):
+            fitting = _fitting(text, size - 8)
+            cv2.putText(image, fitting, (x + 4, y + size + 12 + 15 * line), *_FONT, (60, 60, 60), 1, cv2.LINE_AA)
     return image
+
+
+def _fitting(text: str, width: int) -> str:
+    """The text, shortened in the middle until it is at most `width` pixels wide."""
+    left = text
+    while cv2.getTextSize(text, *_FONT, 1)[0][0] > width and len(left) > 4:
+        middle = len(left) // 2
+        left = left[:middle] + left[middle + 1 :]
+        text = left[: len(left) // 2] + ".." + left[len(left) // 2 :]
+    return text

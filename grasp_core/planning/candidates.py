@@ -109,7 +109,8 @@ def spread_angles(pixels: int, angles: int, rng: np.random.Generator) -> NDArray
 def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.bool_]:
     """Boolean (N,): whether the open gripper comes straight down to p without meeting the surface that was seen.
 
-    Both fingers and the rod are compared with the depth image under their footprints.
+    Fingers and rod are compared with the depth image under their footprints. Where something hides a place from the
+    camera, it may be as full as what hides it is high: there the ends of the fingers and the rod must be in sight.
     """
     half = gripper.opening / 2
     inner, outer = half, half + gripper.finger.x
@@ -118,28 +119,51 @@ def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.boo
     fingers = np.stack(np.meshgrid(np.concatenate([-along, along]), across), axis=-1).reshape(-1, 2)
     bar = np.linspace(-gripper.rod.x / 2, gripper.rod.x / 2, 13)
     rod = np.stack(np.meshgrid(bar, np.linspace(-gripper.rod.y / 2, gripper.rod.y / 2, 3)), axis=-1).reshape(-1, 2)
-    tips_free = _nearest(batch, view, fingers, 0.0) > batch.depth - _REACH
-    return tips_free & (_nearest(batch, view, rod, gripper.finger.z) > batch.depth - gripper.finger.z)
+    left = np.arange(len(batch))
+    for footprint, above in ((fingers, _REACH), (rod, gripper.finger.z)):
+        for check in (_above_surface, _in_sight):
+            part = batch[left]
+            right, down = _under(part, view, footprint)
+            left = left[check(part.depth - above, right, down, view).all(axis=1)]
+    free = np.zeros(len(batch), np.bool_)
+    free[left] = True
+    return free
 
 
-def _nearest(batch: Batch, view: TableView, footprint: NDArray[np.float64], above: float) -> NDArray[np.float32]:
-    """Smallest z-depth (N,) that is seen under footprint points (P, 2) (along and across the closing axis, metres).
+def _under(
+    batch: Batch, view: TableView, footprint: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Where footprint points (P, 2) (along and across the closing axis, metres) of each grasp stand.
 
-    The points are looked up where they project at `above` metres over p.
+    Returns:
+        Metres to the right and down the canvas from the place under the canonical camera, (N, P) each.
     """
-    k, height = view.camera.intrinsics, view.camera.pose[2, 3]
-    focal = k.fx / (batch.depth - above)
     yaw = canvas_yaw(view.camera)
     offset = batch.position[:, :2] - view.camera.pose[:2, 3]
-    right = np.cos(yaw) * offset[:, 0] + np.sin(yaw) * offset[:, 1]
-    down = np.sin(yaw) * offset[:, 0] - np.cos(yaw) * offset[:, 1]
-    cos, sin = np.cos(batch.angle)[:, None], np.sin(batch.angle)[:, None]
-    u = k.cx + focal[:, None] * (right[:, None] + cos * footprint[:, 0] + sin * footprint[:, 1])
-    v = k.cy + focal[:, None] * (down[:, None] - sin * footprint[:, 0] + cos * footprint[:, 1])
-    columns, rows = np.rint(u).astype(np.int32), np.rint(v).astype(np.int32)
+    right = (np.cos(yaw) * offset[:, 0] + np.sin(yaw) * offset[:, 1]).astype(np.float32)
+    down = (np.sin(yaw) * offset[:, 0] - np.cos(yaw) * offset[:, 1]).astype(np.float32)
+    cos, sin = (f(batch.angle).astype(np.float32)[:, None] for f in (np.cos, np.sin))
+    along, across = footprint.T.astype(np.float32)
+    return right[:, None] + cos * along + sin * across, down[:, None] - sin * along + cos * across
+
+
+def _above_surface(
+    depth: NDArray[np.float64], right: NDArray[np.float32], down: NDArray[np.float32], view: TableView
+) -> NDArray[np.bool_]:
+    """Boolean (N, P): whether points at z-depths (N,) lie above the surface on the canvas."""
+    k = view.camera.intrinsics
+    focal = (k.fx / depth).astype(np.float32)[:, None]
+    columns, rows = np.rint(k.cx + focal * right).astype(np.intp), np.rint(k.cy + focal * down).astype(np.intp)
     inside = (columns >= 0) & (columns < k.width) & (rows >= 0) & (rows < k.height)
     index = np.where(inside, rows * k.width + columns, 0)
-    return np.asarray(np.where(inside, view.smooth.reshape(-1)[index], height).min(axis=1))
+    return np.asarray(~inside | (view.smooth.reshape(-1)[index] > depth[:, None]))
+
+
+def _in_sight(
+    depth: NDArray[np.float64], right: NDArray[np.float32], down: NDArray[np.float32], view: TableView
+) -> NDArray[np.bool_]:
+    """Boolean (N, P): whether the input's camera sees points at z-depths (N,)."""
+    return ~view.rectified.hides(right, down, (view.camera.pose[2, 3] - depth)[:, None])
 
 
 def distinct(

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core import config
-from grasp_core.camera import DepthImage
-from grasp_core.gripper import Gripper
 from grasp_core.networks.inputs import regression_input
-from grasp_core.networks.runtime import Runtime, load_runtime
 from grasp_core.planning.candidates import (
     Batch,
     best_region,
@@ -21,143 +16,112 @@ from grasp_core.planning.candidates import (
     reachable,
     sample_pixels,
     spread_angles,
-    to_candidates,
 )
-from grasp_core.planning.crops import crops
-from grasp_core.planning.planner import Candidate, Plan
-from grasp_core.planning.result import begin, finish
+from grasp_core.planning.image_planner import Found, NetworkPlanner, SearchSettings
 from grasp_core.planning.stages import Stages
-from grasp_core.planning.view import TableView, ViewSettings
+from grasp_core.planning.view import TableView
 
 _CHUNK = 16
 """Crops that are scored at once when time is limited."""
+_NEIGHBOURS = 8
+"""Grasps drawn around each of the best ones."""
+_TRIES = 3
+"""Times as many are drawn, since the gripper does not reach all of them."""
+_NEAR_PIXELS = 3.0
+"""Canvas pixels, 4 mm: standard deviation of the draw along u and v; about that of executed poses."""
+_NEAR_ANGLE = 0.14
+"""Rad, 8 degrees: standard deviation of the draw of angles; samples are up to 15 degrees apart."""
 
 
-class CascadeSettings(config.Settings):
+class CascadeSettings(SearchSettings):
     """Settings of the cascade.
 
     Attributes:
         pixels: m, sampled in a region.
         angles: tried at each pixel, evenly spread over half a turn.
         scored: grasps that the Refined Network judges in a region, of those that the gripper can reach.
+        polished: further grasps that it judges, drawn around the best ones of the region; 0 draws none.
         radius: R_i, in gripper openings.
-        threshold: t, the least score of a candidate.
-        candidates: n, at most returned.
-        regions: tried at most, one after the other, until one holds a candidate.
-        least_distance: between two candidates, metres, unless their angles differ.
-        least_angle: between two candidates, rad, unless their positions differ.
-        view: what may be grasped.
+        regions: batches that are judged at most, each in the next best region.
+        enough: distinct candidates above t after which no further region is tried.
     """
 
+    threshold: float = 0.5
     pixels: int = 64
     angles: int = 12
     scored: int = 64
+    polished: int = 64
     radius: float = 1 / 3
-    threshold: float = 0.5
-    candidates: int = 10
-    regions: int = 3
-    least_distance: float = 0.01
-    least_angle: float = 0.26
-    view: ViewSettings = ViewSettings()
+    regions: int = 4
+    enough: int = 5
 
     def __post_init__(self) -> None:
-        for name in ("pixels", "angles", "scored", "candidates", "regions"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, not {getattr(self, name)}")
-        if self.radius <= 0 or not 0 <= self.threshold <= 1:
-            raise ValueError(
-                f"radius must be above 0 and threshold from 0 to 1, not {self.radius} and {self.threshold}"
-            )
+        super().__post_init__()
+        self.need_above_0("pixels", "angles", "scored", "radius", "regions", "enough")
+        if self.polished < 0:
+            raise ValueError(f"polished must be at least 0, not {self.polished}")
 
 
-class CascadePlanner:
-    """See `Planner`.
-
-    Attributes:
-        runtime: both networks.
-        gripper: whose grasps are planned.
-        settings: see `CascadeSettings`.
-    """
+class CascadePlanner(NetworkPlanner[CascadeSettings]):
+    """See `Planner`; a budget ends the search before the step that would overrun it, as far as steps are foreseen."""
 
     settings_type = CascadeSettings
 
-    def __init__(self, runtime: Runtime, gripper: Gripper, settings: CascadeSettings | None = None) -> None:
-        """Put a planner together.
-
-        Raises:
-            MismatchError: the weights are for another gripper or view.
-        """
-        runtime.meta.check(gripper)
-        self.runtime = runtime
-        self.gripper = gripper
-        self.settings = settings or CascadeSettings()
-
-    @classmethod
-    def make(
-        cls, settings: CascadeSettings, gripper: Gripper, *, weights: str | Path, runtime: Runtime | None
-    ) -> CascadePlanner:
-        """The planner, with weights loaded unless there is a runtime."""
-        return cls(runtime or load_runtime(weights), gripper, settings)
-
-    def __call__(
-        self,
-        image: DepthImage,
-        *,
-        mask: NDArray[np.bool_] | None = None,
-        budget_ms: float | None = None,
-        rng: np.random.Generator,
-    ) -> Plan:
-        """See `Planner`."""
-        s = self.settings
-        stages = Stages(budget_ms)
-        weights = f"{self.runtime.meta.name} {self.runtime.digest}"
-        view = begin(image, mask, s.view, stages, weights)
-        if isinstance(view, Plan):
-            return view
-        with stages.stage("quality map"):
-            heat = np.zeros(view.places.shape, np.float32)
-            heat[view.core] = self.runtime.quality_map(regression_input(view.depth[view.core])[None])[0]
-        search = _Search(view, heat)
+    def search(self, view: TableView, stages: Stages, rng: np.random.Generator) -> Found:
+        """See `ImagePlanner`."""
+        search = _Search(view)
+        if stages.allows(0):
+            with stages.stage("quality map"):
+                seen = regression_input(view.depth[view.core])
+                search.heat[view.core] = self.runtime.quality_map(seen[None])[0]
         for batch in self._regions(search, stages, rng):
-            with stages.stage("crops"):
-                seen = crops(
-                    view.depth,
-                    view.camera,
-                    batch.u,
-                    batch.v,
-                    batch.angle,
-                    batch.depth,
-                    self.runtime.meta.crop,
-                    self.gripper.opening,
-                )
-            with stages.stage("scores"):
-                scores = self._score(seen, stages, budget_ms is not None)
-            search.add(batch, scores)
-            if (scores >= s.threshold).any():
+            scores = self._judge(search, batch, stages)
+            with stages.stage("candidates"):
+                around = self._around(search, batch[: len(scores)], scores, rng)
+            self._judge(search, around, stages)
+            if self._enough(search):
                 break
-        with stages.stage("output"):
-            chosen, scored, reason = self._choose(search)
-        return finish(view, heat, search.region, search.sampled, chosen, scored, reason, stages, weights)
+        batch, scores = search.scored
+        none = (
+            f"fingers or rod would meet what is seen, or what it hides, in all {search.tried} sampled grasps"
+            if search.tried and not search.regions
+            else "the time was over before any grasp was scored"
+        )
+        sampled = np.concatenate([*search.sampled, np.zeros((0, 2))])
+        return Found(batch, scores, none, sampled, search.heat, search.region)
+
+    def _judge(self, search: _Search, batch: Batch, stages: Stages) -> NDArray[np.float32]:
+        """Score a batch as far as there is time and keep it with its scores."""
+        scores = self.judge(batch, search.view, stages, _CHUNK if stages.limited else max(len(batch), 1))
+        search.batches.append(batch[: len(scores)])
+        search.scores.append(scores)
+        return scores
 
     def _regions(self, search: _Search, stages: Stages, rng: np.random.Generator) -> Iterator[Batch]:
-        """What to score in the best region, then in the next best, while there is time; empty regions are passed."""
+        """What to score in the best region, then in the next best, and so on, while there is time.
+
+        Regions in which the gripper reaches nothing are passed over. When all places have been in a region it begins
+        anew with the best one, where other pixels and angles are drawn.
+        """
         s = self.settings
         radius = s.radius * self.gripper.opening * search.view.camera.intrinsics.fx / search.view.camera.pose[2, 3]
-        left = search.view.places.copy()
-        tried = 0
-        started = stages.elapsed_ms
-        while tried < s.regions and (tried == 0 or stages.allows((stages.elapsed_ms - started) / tried)):
-            with stages.stage("candidates"):
-                found = best_region(search.heat, left, radius)
-                if found is None:
-                    return
-                u, v, region = found
-                left &= ~region
-                search.region = (u, v, radius)
-                batch = self._sample(search, region, rng)
-            tried += 1
-            if len(batch):
-                yield batch
+        for _ in range(s.regions):
+            left = search.view.places.copy()
+            while search.regions < s.regions and stages.allows(0):
+                with stages.stage("candidates"):
+                    found = best_region(search.heat, left, radius)
+                    if found is None:
+                        break
+                    u, v, region = found
+                    left &= ~region
+                    batch = self._sample(search, region, rng)
+                if len(batch) or search.region is None:
+                    search.region = (u, v, radius)
+                if len(batch):
+                    search.regions += 1
+                    yield batch
+            if not search.regions:
+                return
 
     def _sample(self, search: _Search, region: NDArray[np.bool_], rng: np.random.Generator) -> Batch:
         """Reachable grasps in a region: first one angle of every pixel, then a second one, up to the number scored."""
@@ -172,52 +136,44 @@ class CascadePlanner:
         first = np.argsort(turn, kind="stable")[: s.scored]
         return batch[first[turn[first] <= s.angles]]
 
-    def _score(self, seen: NDArray[np.float32], stages: Stages, limited: bool) -> NDArray[np.float32]:
-        """P(class 1) (N,) of crops; −1 for those that there was no time for."""
-        if not limited:
-            return self.runtime.scores(seen)
-        scores = np.full(len(seen), -1, np.float32)
-        last = 0.0
-        for start in range(0, len(seen), _CHUNK):
-            if start and not stages.allows(last):
-                break
-            before = stages.elapsed_ms
-            scores[start : start + _CHUNK] = self.runtime.scores(seen[start : start + _CHUNK])
-            last = stages.elapsed_ms - before
-        return scores
+    def _around(self, search: _Search, batch: Batch, scores: NDArray[np.float32], rng: np.random.Generator) -> Batch:
+        """Reachable grasps near the best ones: the best of a few dozen at random angles is seldom the best there is."""
+        count = self.settings.polished
+        best = np.argsort(-scores, kind="stable")[: max(1, count // _NEIGHBOURS)]
+        best = np.repeat(best[: len(batch)], _TRIES * _NEIGHBOURS if count else 0)
+        rng.shuffle(best)
+        height, width = search.view.places.shape
+        u = np.clip(batch.u[best] + rng.normal(0, _NEAR_PIXELS, len(best)), 0, width - 1)
+        v = np.clip(batch.v[best] + rng.normal(0, _NEAR_PIXELS, len(best)), 0, height - 1)
+        on = search.view.places[np.rint(v).astype(int), np.rint(u).astype(int)]
+        near = make_batch(search.view, u[on], v[on], (batch.angle[best] + rng.normal(0, _NEAR_ANGLE, len(best)))[on])
+        return near[np.flatnonzero(reachable(near, search.view, self.gripper))[:count]]
 
-    def _choose(self, search: _Search) -> tuple[tuple[Candidate, ...], tuple[Candidate, ...], str | None]:
-        """The candidates, all that was scored, and why there are no candidates."""
+    def _enough(self, search: _Search) -> bool:
+        """Whether as many distinct candidates are above t as end the search."""
         s = self.settings
-        if not search.batches:
-            reason = f"fingers or rod would meet what is seen in all {search.tried} sampled grasps"
-            return (), (), reason
-        batch = Batch.join(search.batches)
-        scores = np.concatenate(search.scores)
-        heats = search.heat[batch.v.astype(int), batch.u.astype(int)]
-        order = np.lexsort((-heats, -scores))
-        order = order[scores[order] >= 0]
-        scored = to_candidates(batch[order], scores[order], heats[order], search.view, self.gripper)
-        good = np.flatnonzero(scores[order] >= s.threshold)
-        chosen = distinct(batch[order], good, s.least_distance, s.least_angle, s.candidates)
-        if len(chosen):
-            return tuple(scored[i] for i in chosen), scored, None
-        best = scored[0].score
-        return (), scored, f"all {len(scored)} scored grasps are below t = {s.threshold:g}; the best has {best:.3f}"
+        batch, scores = search.scored
+        order = np.argsort(-scores, kind="stable")
+        good = order[scores[order] >= s.threshold]
+        return len(distinct(batch, good, s.least_distance, s.least_angle, s.enough)) >= min(s.enough, s.candidates)
 
 
 class _Search:
     """What one call has looked at so far."""
 
-    def __init__(self, view: TableView, heat: NDArray[np.float32]) -> None:
+    def __init__(self, view: TableView) -> None:
         self.view = view
-        self.heat = heat
+        self.heat = np.zeros(view.places.shape, np.float32)
         self.region: tuple[float, float, float] | None = None
         self.sampled: list[NDArray[np.float64]] = []
         self.batches: list[Batch] = []
         self.scores: list[NDArray[np.float32]] = []
         self.tried = 0
+        self.regions = 0
 
-    def add(self, batch: Batch, scores: NDArray[np.float32]) -> None:
-        self.batches.append(batch)
-        self.scores.append(scores)
+    @property
+    def scored(self) -> tuple[Batch, NDArray[np.float32]]:
+        """All that was scored."""
+        if not self.batches:
+            return make_batch(self.view, [], [], []), np.zeros(0, np.float32)
+        return Batch.join(self.batches), np.concatenate(self.scores)

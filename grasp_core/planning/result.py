@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,7 +46,7 @@ def finish(
     view: TableView,
     heat: NDArray[np.float32] | None,
     region: tuple[float, float, float] | None,
-    sampled: Sequence[NDArray[np.float64]],
+    sampled: NDArray[np.float64],
     candidates: tuple[Candidate, ...],
     scored: tuple[Candidate, ...],
     reason: str | None,
@@ -61,7 +59,7 @@ def finish(
         view: that was planned on.
         heat: quality map (h, w) of the window, or None.
         region: (u, v, radius) in the window, pixels.
-        sampled: pixels (K, 2) of the window, in any number of parts.
+        sampled: pixels (K, 2) of the window.
         candidates: the result, best first.
         scored: all that was scored.
         reason: why there are no candidates.
@@ -75,14 +73,13 @@ def finish(
     origin = np.array([view.columns.start, view.rows.start], float)
     if region is not None:
         region = (float(region[0] + origin[0]), float(region[1] + origin[1]), float(region[2]))
-    pixels = np.concatenate([*sampled, np.zeros((0, 2))]) + origin
     return Plan(
         candidates,
         reason,
         canvas,
         quality,
         region,
-        pixels,
+        sampled + origin,
         scored,
         stages.ms,
         view.rectified.camera,

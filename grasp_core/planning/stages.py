@@ -33,6 +33,11 @@ class Stages:
         """Milliseconds since the start."""
         return (time.perf_counter() - self._start) * 1000
 
+    @property
+    def limited(self) -> bool:
+        """Whether there is a budget."""
+        return self._budget is not None
+
     def allows(self, more_ms: float) -> bool:
         """Whether work of about `more_ms` still fits into the budget."""
         return self._budget is None or self.elapsed_ms + more_ms <= self._budget

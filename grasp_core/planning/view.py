@@ -38,12 +38,12 @@ class ViewSettings(config.Settings):
     """What counts as a thing that may be grasped.
 
     Attributes:
-        least_height: above the table, metres; fingers end 8 mm above it.
+        least_height: above the table, metres; fingers end 8 mm above it and pass over what is lower.
         least_area: of a connected raised area, canvas pixels (1.8 mm² each); smaller ones are noise.
         depth_rule: how deep grasps reach.
     """
 
-    least_height: float = 0.01
+    least_height: float = 0.008
     least_area: int = 40
     depth_rule: DepthRule = DepthRule()
 

@@ -39,6 +39,10 @@ _SAME_SURFACE = 0.01
 """Metres: depths farther apart are not interpolated or taken for one surface."""
 _STEEPEST = np.cos(np.radians(75))
 _SQUARE = np.ones((3, 3), np.uint8)
+_BORDER = 40
+"""Points along each border of the image that draw its outline on the canvas."""
+_FAR = 8000.0
+"""Pixels: farther out nothing is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +56,8 @@ class Rectified:
         missing: share of the input's pixels that were invalid.
         turn: how the input is warped to the turned camera; see `_Turn`.
         moved: flat canvas indices (2, M): pixels of the turned view and where on the canvas they are shown.
+        turned: (H, W) heights above the table in the turned view, metres; −inf where nothing usable was seen.
+        foot: (2,) the pixel of the canvas straight below the input's camera.
     """
 
     image: DepthImage
@@ -60,13 +66,48 @@ class Rectified:
     missing: float
     turn: _Turn
     moved: NDArray[np.intp]
+    turned: NDArray[np.float32]
+    foot: NDArray[np.float64]
 
     @cached_property
     def rim(self) -> NDArray[np.bool_]:
         """Boolean (H, W) of the turned view: what lies within 3 pixels of the border of the input, or outside."""
         k = self.camera.intrinsics
-        inside = self.turn.warp(np.ones((k.height, k.width), np.float32), 0.0).astype(np.uint8)
-        return cv2.erode(inside, _SQUARE, iterations=3, borderType=cv2.BORDER_CONSTANT, borderValue=0) == 0
+        across, down = np.linspace(3, k.width - 4, _BORDER), np.linspace(3, k.height - 4, _BORDER)
+        low, high = np.full(_BORDER, 3.0), (np.full(_BORDER, k.width - 4.0), np.full(_BORDER, k.height - 4.0))
+        u = np.concatenate([across, high[0], across[::-1], low])
+        v = np.concatenate([low, down, high[1], down[::-1]])
+        outside = np.ones(self.turned.shape, np.uint8)
+        cv2.fillPoly(outside, [np.rint(self.turn.pixels(np.stack([u, v], axis=-1))).astype(np.int32)], 0)
+        return outside > 0
+
+    @cached_property
+    def _occluders(self) -> NDArray[np.float32]:
+        """The heights of the turned view without stray pixels."""
+        return np.asarray(cv2.medianBlur(self.turned, 3))
+
+    def hides(
+        self, right: NDArray[np.floating], down: NDArray[np.floating], height: NDArray[np.floating]
+    ) -> NDArray[np.bool_]:
+        """Whether points lie behind a surface that the input shows, so that what is there is not known.
+
+        A ray from the input's camera passes a point at its height; the surface that the ray ends on hides the point
+        where it is higher. Points that no ray of the image passes are not hidden.
+
+        Args:
+            right: metres along the canvas's x axis from the place under the canonical camera, any shape.
+            down: metres along its y axis.
+            height: of the points above the table, metres; all three broadcast.
+        """
+        k, camera_height = self.image.camera.intrinsics, self.camera.pose[2, 3]
+        stretch = (camera_height / np.maximum(camera_height - height, 1e-3)).astype(np.float32)
+        u, v = (
+            np.float32(foot) + (np.float32(_DENSITY) * offset + np.float32(principal - foot)) * stretch
+            for offset, principal, foot in ((right, k.cx, self.foot[0]), (down, k.cy, self.foot[1]))
+        )
+        inside = (u > -0.5) & (u < k.width - 0.5) & (v > -0.5) & (v < k.height - 0.5)
+        index = np.where(inside, np.rint(v) * k.width + np.rint(u), 0).astype(np.intp)
+        return np.asarray(inside & (self._occluders.reshape(-1)[index] > height))
 
     def carry(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """A mask of the input (H, W) → of the canvas; false where nothing was seen.
@@ -102,6 +143,12 @@ class _Turn:
     shape: tuple[int, int]
     input_from_turned: NDArray[np.float64]
 
+    def pixels(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Pixels (N, 2) of the input → pixels of the turned view; those at or above the horizon end far outside."""
+        rays = np.column_stack([self.intrinsics.rays(pixels), np.ones(len(pixels))])
+        turned = rays @ np.linalg.inv(self.input_from_turned).T
+        return np.clip(turned[:, :2] / np.maximum(turned[:, 2:], 1e-3), -_FAR, _FAR)
+
     def warp(self, values: NDArray[np.float32], outside: float, linear: bool = False) -> NDArray[np.float32]:
         """Values (H, W) of the input → of the turned view, the nearest or interpolated ones."""
         height, width = self.shape
@@ -130,21 +177,22 @@ def rectify(image: DepthImage) -> Rectified:
     """
     camera = image.camera if image.camera.world_from_camera is not None else find_table(image)
     canvas = _canvas(camera)
-    turn, centre = _turn(camera, canvas)
+    turn, foot = _turn(camera, canvas)
     height = _turned_heights(image, camera, turn)
     seen = np.isfinite(height)
     if not seen.any():
         raise ImageError(
             "the depth image shows nothing near the table under its camera; check world_from_camera in the camera file"
         )
-    moved = _move_raised(height, camera.pose[2, 3], centre, canvas)
+    turned = height.copy()
+    moved = _move_raised(height, camera.pose[2, 3], foot, canvas)
     seen = np.isfinite(height)
     seen = _close_gaps(height, seen)
     np.maximum(height, np.float32(-_FLOOR), out=height)
     _fill_background(height, seen)
     depth = np.subtract(np.float32(CANONICAL_HEIGHT), height, out=height)
     missing = 1 - float(np.count_nonzero(image.valid)) / image.valid.size
-    return Rectified(DepthImage(depth, canvas, np.ones_like(seen)), seen, camera, missing, turn, moved)
+    return Rectified(DepthImage(depth, canvas, np.ones_like(seen)), seen, camera, missing, turn, moved, turned, foot)
 
 
 def _canvas(camera: Camera) -> Camera:
@@ -163,7 +211,9 @@ def _canvas(camera: Camera) -> Camera:
     above[:3, 3] = centre - ahead * centre[2] / ahead[2]
     above[2, 3] = CANONICAL_HEIGHT
     rays = pixel_rays(camera.intrinsics)
-    rim = np.concatenate([rays[0], rays[-1], rays[:, 0], rays[:, -1]]) @ pose[:3, :3].T
+    along = [np.linspace(0, side - 1, _BORDER).astype(int) for side in rays.shape[:2]]
+    rim = np.concatenate([rays[0, along[1]], rays[-1, along[1]], rays[along[0], 0], rays[along[0], -1]])
+    rim = rim @ pose[:3, :3].T.astype(np.float32)
     rim /= np.maximum(-rim[:, 2:], 1e-3)  # a ray above the horizon ends far away, beyond the bounds
     offsets = (rim * centre[2] + centre - above[:3, 3]) @ above[:3, :2] * _DENSITY
     sides = []
@@ -181,11 +231,11 @@ def _canvas(camera: Camera) -> Camera:
 def _turn(camera: Camera, canvas: Camera) -> tuple[_Turn, NDArray[np.float64]]:
     """The warp to the turned camera, and the pixel (2,) of the canvas that lies straight below the input's camera."""
     k = canvas.intrinsics
-    centre = _DENSITY * (camera.pose[:3, 3] - canvas.pose[:3, 3]) @ canvas.pose[:3, :2] + [k.cx, k.cy]
+    foot = _DENSITY * (camera.pose[:3, 3] - canvas.pose[:3, 3]) @ canvas.pose[:3, :2] + [k.cx, k.cy]
     focal = _DENSITY * camera.pose[2, 3]
-    turned_rays = np.array([[1 / focal, 0, -centre[0] / focal], [0, 1 / focal, -centre[1] / focal], [0, 0, 1]])
+    turned_rays = np.array([[1 / focal, 0, -foot[0] / focal], [0, 1 / focal, -foot[1] / focal], [0, 0, 1]])
     input_from_turned = camera.pose[:3, :3].T @ canvas.pose[:3, :3] @ turned_rays
-    return _Turn(camera.intrinsics, (k.height, k.width), input_from_turned), centre
+    return _Turn(camera.intrinsics, (k.height, k.width), input_from_turned), foot
 
 
 def _turned_heights(image: DepthImage, camera: Camera, turn: _Turn) -> NDArray[np.float32]:
@@ -210,7 +260,7 @@ def _turned_heights(image: DepthImage, camera: Camera, turn: _Turn) -> NDArray[n
 
 
 def _move_raised(
-    height: NDArray[np.float32], camera_height: float, centre: NDArray[np.float64], canvas: Camera
+    height: NDArray[np.float32], camera_height: float, foot: NDArray[np.float64], canvas: Camera
 ) -> NDArray[np.intp]:
     """Move what stands above the table to where the canonical camera sees it, in place.
 
@@ -227,8 +277,8 @@ def _move_raised(
         camera_height - raised
     ) / camera_height  # offsets from the input's camera, at this height, over the table's
     grow = CANONICAL_HEIGHT / (CANONICAL_HEIGHT - raised)
-    u = k.cx + grow * (centre[0] - k.cx + shrink * (columns - centre[0]))
-    v = k.cy + grow * (centre[1] - k.cy + shrink * (rows - centre[1]))
+    u = k.cx + grow * (foot[0] - k.cx + shrink * (columns - foot[0]))
+    v = k.cy + grow * (foot[1] - k.cy + shrink * (rows - foot[1]))
     columns, rows = np.rint(u).astype(np.intp), np.rint(v).astype(np.intp)
     inside = (columns >= 0) & (columns < k.width) & (rows >= 0) & (rows < k.height)
     target = (rows * k.width + columns)[inside]

@@ -17,7 +17,7 @@ _DRAWS = 200
 """Planes tried: where 30 % of the points are the table's, one is drawn from it alone with probability 0.995."""
 _SCORED = 600
 """Points that judge a draw."""
-_REFINED = 6000
+_REFINED = 3000
 """Points that refine the best one."""
 _TOLERANCE = 0.008
 """Metres at 0.8 m; grows with the square of the distance, as the noise of depth cameras does."""
@@ -47,7 +47,7 @@ def find_table(image: DepthImage) -> Camera:
         votes = (np.abs(height) < tolerance).sum(axis=1) - 0.5 * (height < -_BELOW).sum(axis=1)
         best = int(np.argmax(votes))
         plane = normals[best] / offsets[best]
-        for factor in (1.0, 0.7, 0.5, 0.5):
+        for factor in (1.0, 0.6, 0.5):
             on = np.abs(_heights(plane, rays, depth)) < tolerance * factor
             if on.sum() >= 3:
                 plane = _fit(rays[on], 1 / depth[on], plane)

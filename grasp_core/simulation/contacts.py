@@ -42,22 +42,15 @@ class ContactReader:
             elif owner.startswith("object_"):
                 self._objects[shape] = int(owner.removeprefix("object_"))
 
-    def touched(self, contacts: Iterable[Any]) -> tuple[set[int], set[int]]:
-        """Indices of the objects that the left and the right finger touch."""
-        sides: tuple[set[int], set[int]] = (set(), set())
-        for contact in contacts:
-            first = contact.collisionObject1.getShapeFrame()
-            second = contact.collisionObject2.getShapeFrame()
-            if second in self._fingers and first in self._objects:
-                sides[self._fingers[second]].add(self._objects[first])
-            elif first in self._fingers and second in self._objects:
-                sides[self._fingers[first]].add(self._objects[second])
-        return sides
-
     def touches(self, contacts: Iterable[Any]) -> list[Touch]:
-        """Contacts between fingers and objects; normals point out of the object."""
+        """Contacts between fingers and objects that press; normals point out of the object.
+
+        The native detector also reports contacts at the origin, which carry no force: they are none.
+        """
         found = []
         for contact in contacts:
+            if not contact.force.any():
+                continue
             first = contact.collisionObject1.getShapeFrame()
             second = contact.collisionObject2.getShapeFrame()
             # DART's normal and force point from the second body to the first.

@@ -58,7 +58,7 @@ class Engine(Protocol):
         ...
 
     def grip(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
-        """Put the gripper at a pose (4×4, z up), each finger closed by its travel from fully open, metres; at rest."""
+        """Put the gripper at a pose (4×4, z up), each finger at its travel from fully open, metres, and closing."""
         ...
 
     def advance(self, steps: int, speed: float = 0.0, acceleration: float = 0.0) -> None:
@@ -95,8 +95,8 @@ class Engine(Protocol):
         """Whether the solver lost it."""
         ...
 
-    def touched(self) -> tuple[set[int], set[int]]:
-        """Indices of the objects that the left and the right finger touch."""
+    def touched(self) -> tuple[bool, bool]:
+        """Whether the left and the right finger touch an object."""
         ...
 
     def touches(self) -> list[Touch]:

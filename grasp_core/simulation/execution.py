@@ -24,8 +24,9 @@ from grasp_core.simulation.evidence import (
 )
 from grasp_core.simulation.recorder import Recorder
 
+_GLANCE = 0.01
 _LOOK = 0.02
-"""s between two looks at the state: Python stays out of the steps between."""
+"""s between two looks at the state, in the closing and in the lift: Python stays out of the steps between."""
 _FLICKER = 5
 """Steps in which both fingers must touch an object at least once to hold it: single contacts come and go."""
 _STILL = 0.005
@@ -33,13 +34,16 @@ _STILL = 0.005
 a pad chatters at 5-20 mm/s about its place."""
 _AGAIN = 2
 """Looks in a row at which the fingers must be found still."""
-_REST = (0.002, math.radians(5), 2)
-_DEAD = (0.0005, math.radians(1), 3)
-_STRAIN = 0.5
-"""When the verdict on a lift is certain. Relative to the gripper the object is slower than so many m/s and rad/s (mean
-between two looks) for so many looks in a row: than `_REST` in a grip that uses less than `_STRAIN` of its friction,
-else than `_DEAD`. Of 2,300 attempts that took dynamics 0.996 end so as they do after the whole lift; with `_REST`
-alone 0.988: a grip at the limit of its friction may creep for 20 cm before it lets go."""
+_CERTAIN = (
+    (0.0020, math.radians(5.0), 2, 0.50, 0.00),
+    (0.0010, math.radians(2.5), 2, 0.75, 0.00),
+    (0.0005, math.radians(1.0), 3, math.inf, 0.00),
+    (0.0050, math.radians(5.0), 5, math.inf, 0.12),
+)
+"""When the verdict on a lift is certain, any of: slower than so many m/s and rad/s relative to the gripper (means between
+two looks), for so many looks in a row, in a grip that uses less than this share of its friction, at least so many metres
+up. A grip near the limit of its friction may creep for 10 to 20 cm before it lets go: hence the slower the nearer to it.
+"""
 _READ = 3
 """Looks between two readings of the contacts while the object moves in the gripper."""
 _CLEAR = 0.005
@@ -58,8 +62,7 @@ class _State:
     held_lift: float = 0.0
     held_time: float = 0.0
     loose: float = 0.0
-    rest: int = 0
-    dead: int = 0
+    calm: list[int] = field(default_factory=lambda: [0] * len(_CERTAIN))
     kept: bool = False
     seen: dict[int, NDArray[np.float64]] = field(default_factory=dict)
     travel: tuple[float, float] = (0.0, 0.0)
@@ -78,6 +81,7 @@ class Execution:
         self.engine = engine
         self._poses = list(poses)
         self._physics = engine.physics
+        self._glance = max(1, round(_GLANCE / engine.physics.time_step))
         self._steps = max(1, round(_LOOK / engine.physics.time_step))
         self._look = self._steps * engine.physics.time_step
         self._hulls = [np.asarray(item.asset.hull.vertices, float) for item in engine.objects]
@@ -121,10 +125,11 @@ class Execution:
         """Close until both fingers stand still; False if the solver diverged."""
         engine = self.engine
         calm = 0
-        way = _STILL * self._look
+        glance = self._glance * self._physics.time_step
+        way = _STILL * glance
         before = engine.travel
-        for _ in range(round(self._physics.closing_time / self._look)):
-            engine.advance(self._steps)
+        for _ in range(round(self._physics.closing_time / glance)):
+            engine.advance(self._glance)
             if recorder:
                 recorder.frame(engine, "close")
             if engine.diverged:
@@ -176,10 +181,10 @@ class Execution:
             if engine.diverged:
                 return False
             self._watch(state)
-            if state.rest:  # its contacts stay what they were: no need to read them again
+            if not whole and engine.lift >= physics.early_height and self._certain(state):
+                break
+            if state.calm[0]:  # its contacts stay what they were: no need to read them again
                 self._still_held(state)
-                if not whole and engine.lift >= physics.early_height and self._certain(state):
-                    break
                 continue
             sides = engine.touched()
             if all(sides):
@@ -198,7 +203,7 @@ class Execution:
         return float((self._hulls[index] @ pose[2, :3]).min() + pose[2, 3])
 
     def _watch(self, state: _State) -> None:
-        """Count for how many looks in a row what is held has rested in the gripper."""
+        """Count for how many looks in a row what is held has been as slow in the gripper as each rule wants it."""
         moved, cosine = 0.0, 1.0
         for index in state.objects:
             pose = self.engine.objects[index].pose
@@ -208,14 +213,20 @@ class Execution:
             moved = max(moved, float(np.abs(pose[:3, 3] - before[:3, 3]).max()))
             cosine = min(cosine, float((pose[:3, :3] * before[:3, :3]).sum() - 1) / 2)
         turned = math.acos(max(-1.0, min(1.0, cosine)))
-        state.rest = state.rest + 1 if moved < _REST[0] * self._look and turned < _REST[1] * self._look else 0
-        state.dead = state.dead + 1 if moved < _DEAD[0] * self._look and turned < _DEAD[1] * self._look else 0
+        for number, (speed, turn, *_) in enumerate(_CERTAIN):
+            slow = moved < speed * self._look and turned < turn * self._look
+            state.calm[number] = state.calm[number] + 1 if slow else 0
 
     def _certain(self, state: _State) -> bool:
         """Whether the rest of the lift would change nothing."""
-        if state.rest < _REST[2] or not self._clear(state) or not self._hold(state):
+        limits = [
+            limit
+            for calm, (_, _, looks, limit, height) in zip(state.calm, _CERTAIN, strict=True)
+            if calm >= looks and self.engine.lift >= height
+        ]
+        if not limits or not self._clear(state) or not self._hold(state):
             return False
-        return state.dead >= _DEAD[2] or strain(state.touches, self._physics.friction) < _STRAIN
+        return max(limits) == math.inf or strain(state.touches, self._physics.friction) < max(limits)
 
     def _clear(self, state: _State) -> bool:
         """Whether what is held is clear of the table."""

@@ -98,12 +98,18 @@ class GripperModel:
         place[2, 3] = _PARKED
         self.place(place, (0.0, 0.0))
 
-    def place(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
-        """Stand at a pose (4×4, z up) with each finger's travel (left, right) in metres, at rest, not lifted."""
+    def place(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float], speed: float = 0.0) -> None:
+        """Stand at a pose (4×4, z up), not lifted.
+
+        Args:
+            world_from_gripper: the pose.
+            travel: of the left and the right finger, metres.
+            speed: at which both fingers close, m/s.
+        """
         self._joint.setTransformFromParentBodyNode(isometry(world_from_gripper))
         left, right = travel
         self.skeleton.setPositions(np.array([0.0, left, left, right, right]))
-        self.skeleton.setVelocities(np.zeros(5))
+        self.skeleton.setVelocities(np.array([0.0, speed, speed, speed, speed]))
         self.skeleton.setAccelerations(np.zeros(5))
         self.skeleton.resetGeneralizedForces()
 

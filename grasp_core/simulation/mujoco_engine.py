@@ -180,13 +180,13 @@ class MujocoEngine:
         self._mujoco.mj_forward(self.model, self._data)
 
     def grip(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
-        """Put the gripper at a pose (4×4, z up), each finger closed by its travel from fully open, metres; at rest."""
+        """Put the gripper at a pose (4×4, z up), each finger at its travel from fully open, metres, and closing."""
         a, b, c, w = Rotation.from_matrix(world_from_gripper[:3, :3]).as_quat()
         self.model.body_pos[self._frame] = world_from_gripper[:3, 3]
         self.model.body_quat[self._frame] = [w, a, b, c]
         left, right = travel
         self._data.qpos[self._lift : self._lift + 5] = [0.0, left, left, right, right]
-        self._data.qvel[self._lift_dof : self._lift_dof + 5] = 0.0
+        self._data.qvel[self._lift_dof : self._lift_dof + 5] = [0.0, *[self.spec.speed] * 4]
         self._data.ctrl[1:5] = self.spec.force / 2
         self._mujoco.mj_forward(self.model, self._data)
 
@@ -247,10 +247,10 @@ class MujocoEngine:
         item = np.where(flip, self._owner[second[chosen]], self._owner[first[chosen]])
         return chosen, finger, item, flip
 
-    def touched(self) -> tuple[set[int], set[int]]:
-        """Indices of the objects that the left and the right finger touch."""
-        _, finger, item, _ = self._pairs()
-        return set(item[finger == 0].tolist()), set(item[finger == 1].tolist())
+    def touched(self) -> tuple[bool, bool]:
+        """Whether the left and the right finger touch an object."""
+        finger = self._pairs()[1]
+        return bool((finger == 0).any()), bool((finger == 1).any())
 
     def touches(self) -> list[Touch]:
         """Every contact of the last step between a finger and an object."""

@@ -60,9 +60,7 @@ class World:
         awake = self.world.getDeactivationOptions()
         awake.mEnabled = False
         self.world.setDeactivationOptions(awake)
-        solver = self.world.getConstraintSolver()
-        detectors = {"native": dart.collision.DARTCollisionDetector, "fcl": dart.collision.FCLCollisionDetector}
-        solver.setCollisionDetector(detectors[physics.detector]())
+        self._fresh_detector()
         table = self._table()
         self.objects: list[ObjectBody] = []
         for index, asset in enumerate(assets):
@@ -112,17 +110,22 @@ class World:
     def rewind(self, poses: Sequence[NDArray[np.float64]]) -> None:
         """Start afresh with the objects at rest at these poses (4×4), whatever happened before.
 
-        DART keeps traces of earlier steps that change later ones in the last bits and, rarely, a verdict. One step with
-        the gripper parked far away and a reset erase them: attempts are then the same in any order and any process.
+        The detector's search tree remembers where bodies have been: the order of contacts follows from its shape, and
+        the solver's last bits, rarely even a verdict, from that order. A new detector starts with a tree that depends on
+        nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
         """
+        self.world.reset()
         if self.gripper is not None:
             self.gripper.park()
         for item, pose in zip(self.objects, poses, strict=True):
             item.place(pose)
-        self.world.step()
-        self.world.reset()
-        for item, pose in zip(self.objects, poses, strict=True):
-            item.place(pose)
+        self._fresh_detector()
+
+    def _fresh_detector(self) -> None:
+        detectors = {"native": dart.collision.DARTCollisionDetector, "fcl": dart.collision.FCLCollisionDetector}
+        solver = self.world.getConstraintSolver()
+        solver.setCollisionDetector(detectors[self.physics.detector]())
+        solver.clearLastCollisionResult()
 
     def step(self) -> None:
         """Advance by one time step, the gripper left alone."""
@@ -138,8 +141,8 @@ class World:
             step()
 
     def grip(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
-        """Put the gripper at a pose (4×4, z up), each finger closed by its travel from fully open, metres; at rest."""
-        self._gripper.place(world_from_gripper, travel)
+        """Put the gripper at a pose (4×4, z up), each finger at its travel from fully open, metres, and closing."""
+        self._gripper.place(world_from_gripper, travel, self.spec.speed)
 
     @property
     def _gripper(self) -> GripperModel:
@@ -171,9 +174,11 @@ class World:
         """Speed of the fastest pad along its joint, m/s."""
         return self._gripper.fastest
 
-    def touched(self) -> tuple[set[int], set[int]]:
-        """Indices of the objects that the left and the right finger touch."""
-        return self._contacts.touched(self.world.getLastCollisionResult().getContacts())
+    def touched(self) -> tuple[bool, bool]:
+        """Whether the left and the right finger touch an object: nothing else can touch them."""
+        found = self.world.getLastCollisionResult()
+        a, b, c, d = map(found.inCollision, self._gripper.pads)
+        return a or b, c or d
 
     def touches(self) -> list[Touch]:
         """Every contact of the last step between a finger and an object."""

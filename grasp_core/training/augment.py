@@ -26,6 +26,8 @@ class Augmentation(config.Settings):
 
     Attributes:
         noise: of the depth camera.
+        rich: share of images whose noise is `rich_noise`.
+        rich_noise: richer noise of other depth cameras: pixels lost at edges, errors that neighbours share.
         clean: share of images without noise and holes.
         holes: mean number of lost patches.
         hole_radius: largest radius of a patch, pixels.
@@ -40,6 +42,8 @@ class Augmentation(config.Settings):
     """
 
     noise: ImageNoise = ImageNoise()
+    rich: float = 0.25
+    rich_noise: ImageNoise = ImageNoise(edge_dropout=0.3, gain_sigma=0.002, field_sigma=0.003)
     clean: float = 0.1
     holes: float = 2.0
     hole_radius: float = 6.0
@@ -57,14 +61,16 @@ class Augmentation(config.Settings):
         for name in numbers:
             if not 0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} must be finite and at least 0, not {getattr(self, name)}")
-        if not 0 <= self.clean <= 1:
-            raise ValueError(f"clean is a share from 0 to 1, not {self.clean}")
+        for name in ("clean", "rich"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name} is a share from 0 to 1, not {getattr(self, name)}")
 
 
 def corrupt(image: DepthImage, augmentation: Augmentation, rng: np.random.Generator) -> DepthImage:
     """What planning gets to see of a clean canonical image: noisy, with filled holes, its table a little off."""
     if rng.random() >= augmentation.clean:
-        noisy = add_noise(image, augmentation.noise, rng)
+        rich = rng.random() < augmentation.rich
+        noisy = add_noise(image, augmentation.rich_noise if rich else augmentation.noise, rng)
         valid = noisy.valid
         count = int(rng.poisson(augmentation.holes))
         if count:
@@ -94,13 +100,13 @@ class Placed:
         depth: (H, W) metres.
         pixels: (G, 2).
         angles: (G,) rad.
-        scale: factor on lengths in pixels.
+        matrix: (2, 3), takes pixels of the old image to the new one.
     """
 
     depth: NDArray[np.float32]
     pixels: NDArray[np.float32]
     angles: NDArray[np.float32]
-    scale: float
+    matrix: NDArray[np.float64]
 
 
 def move_image(
@@ -142,7 +148,7 @@ def moved_by(
     )
     pixels = scene.pixels @ linear.T + offset
     angles = np.array([wrap_angle(a) for a in (-scene.angles if flip else scene.angles) + turn], np.float32)
-    return Placed(np.asarray(moved, np.float32), pixels.astype(np.float32), angles, scale)
+    return Placed(np.asarray(moved, np.float32), pixels.astype(np.float32), angles, matrix)
 
 
 def mirror_crops(crops: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:

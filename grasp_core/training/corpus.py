@@ -87,7 +87,7 @@ def load_corpus(
         "recipe": meta.recipe_digest,
         "labels": labels,
         "objects": len({scene.object for scene in found["train"]}),
-        "scenes": len({scene.name.split("/")[0] for scene in found["train"]}),
+        "scenes": len({scene.stored for scene in found["train"]}),
         "images": len(found["train"]),
         "grasps": sum(len(scene.labels) for scene in found["train"]),
     }

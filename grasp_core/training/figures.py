@@ -5,7 +5,8 @@ matplotlib comes with the extra `report`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,12 +23,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def _figure(columns: int) -> Figure:
+def _figure(columns: int, height: float = 3.8) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ConfigError("figures need matplotlib; install grasp-workbench[report]") from error
-    return Figure(figsize=(4 * columns, 3.8), layout="constrained")
+    return Figure(figsize=(4 * columns, height), layout="constrained")
 
 
 def classifier_figure(path: Path, scores: ArrayLike, labels: ArrayLike) -> None:
@@ -54,6 +55,33 @@ def classifier_figure(path: Path, scores: ArrayLike, labels: ArrayLike) -> None:
     )
     for axes in (left, middle, right):
         axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
+def objects_figure(path: Path, measures: Mapping[str, Mapping[str, float]]) -> None:
+    """Average precision and calibration error of every object as bars, worst object first, as one PNG.
+
+    Args:
+        path: of the picture.
+        measures: object → its measures, as `assess.Assessment.by_object` gives them; those without AP are left out.
+
+    Raises:
+        ConfigError: matplotlib is missing.
+    """
+    known = sorted((values["ap"], name) for name, values in measures.items() if math.isfinite(values["ap"]))
+    figure = _figure(2, height=1.2 + 0.17 * max(len(known), 4))
+    left, right = figure.subplots(1, 2, sharey=True)
+    places, names = range(len(known)), [name for _, name in known]
+    left.barh(places, [ap for ap, _ in known], color="tab:blue")
+    left.plot([measures[name]["positives"] for name in names], places, "k|", label="share of positives: AP of chance")
+    right.barh(places, [measures[name]["ece"] for name in names], color="tab:orange")
+    left.set(xlabel="average precision", xlim=(0, 1.02), yticks=list(places))
+    left.set_yticklabels(names, fontsize=7)
+    left.invert_yaxis()
+    left.legend(fontsize=7, loc="lower right")
+    right.set(xlabel="expected calibration error")
+    for axes in (left, right):
+        axes.grid(alpha=0.3, axis="x")
     figure.savefig(path, dpi=110)
 
 

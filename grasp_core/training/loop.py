@@ -1,18 +1,21 @@
 """The training loop that both networks share: schedule, checkpoints and resume, log, progress, early stop.
 
 A run is a folder. Each network keeps two files there: `NAME.pt` (state, best state, optimiser, history; plain tensors
-and JSON, read without unpickling code) and `NAME.csv` (one line an epoch). Every epoch draws from a generator seeded by
-(seed, epoch), so an interrupted run ends like an uninterrupted one.
+and JSON, read without unpickling code) and `NAME.csv` (one line an epoch); where TensorBoard is installed (extra
+`report`), its log is `tensorboard/NAME`. Every epoch draws from a generator seeded by (seed, epoch), so an interrupted
+run ends like an uninterrupted one.
 """
 
 from __future__ import annotations
 
 import csv
+import importlib.util
 import math
 import os
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -34,7 +37,7 @@ class Schedule(config.Settings):
     """How long and how fast.
 
     Attributes:
-        epochs: passes over the training scenes, at most.
+        epochs: passes over the training scenes, at most; each pass shows every scene in one of its views.
         batch: samples a step.
         rate: highest learning rate.
         weight_decay: of AdamW.
@@ -151,14 +154,20 @@ def fit(task: Task, schedule: Schedule, folder: Path, *, about: str, progress: b
         optimizer.load_state_dict(saved["optimizer"])
         best, history = saved["best"], msgspec.json.decode(saved["history"])
     stopped = "all epochs done"
-    bar = tqdm(total=schedule.epochs, initial=len(history), desc=task.name, unit="epoch", disable=not progress)
-    with bar:
+    bar = tqdm(
+        total=schedule.epochs,
+        initial=len(history),
+        desc=task.name,
+        disable=not progress,
+        bar_format="{desc}: {percentage:3.0f} %|{bar}| {elapsed}<{remaining}{postfix}",
+    )
+    with bar, _board(folder / "tensorboard" / task.name, len(history)) as board:
         for epoch in range(len(history), schedule.epochs):
             if _stale(history, task.measure) >= schedule.patience:
                 stopped = f"no better {task.measure} in {schedule.patience} epochs"
                 break
             started = time.perf_counter()
-            loss = _epoch(task, schedule, optimizer, epoch)
+            loss = _epoch(task, schedule, optimizer, epoch, bar)
             task.network.eval()
             record = {"epoch": float(epoch), "loss": loss, **task.validate()}
             record["seconds"] = time.perf_counter() - started
@@ -167,8 +176,10 @@ def fit(task: Task, schedule: Schedule, folder: Path, *, about: str, progress: b
                 best = {name: tensor.detach().cpu().clone() for name, tensor in task.network.state_dict().items()}
             _write_run(path, task, optimizer, best, history, about)
             _write_log(folder / f"{task.name}.csv", history)
+            if board is not None:
+                for key in record.keys() - {"epoch"}:
+                    board.add_scalar(key, record[key], epoch)
             bar.set_postfix({key: f"{record[key]:.4f}" for key in ("loss", task.measure)})
-            bar.update()
     task.network.load_state_dict(best)
     task.network.eval()
     chosen = history[_best(history, task.measure)]
@@ -184,8 +195,8 @@ def ahead(items: Iterator[T]) -> Iterator[T]:
             yield item
 
 
-def _epoch(task: Task, schedule: Schedule, optimizer: torch.optim.Optimizer, epoch: int) -> float:
-    """One pass; the mean loss."""
+def _epoch(task: Task, schedule: Schedule, optimizer: torch.optim.Optimizer, epoch: int, bar: tqdm) -> float:
+    """One pass, shown on the bar; the mean loss."""
     sequence = np.random.SeedSequence([schedule.seed, epoch])
     torch.manual_seed(int(sequence.generate_state(1)[0]))
     task.network.train()
@@ -198,6 +209,7 @@ def _epoch(task: Task, schedule: Schedule, optimizer: torch.optim.Optimizer, epo
         loss.backward()
         nn.utils.clip_grad_norm_(task.network.parameters(), 5.0)
         optimizer.step()
+        bar.update(share - done)
         done = share
         total, count = total + float(loss.detach()) * len(batch[0]), count + len(batch[0])
     if not count:
@@ -205,6 +217,15 @@ def _epoch(task: Task, schedule: Schedule, optimizer: torch.optim.Optimizer, epo
     if not math.isfinite(total):
         raise ConfigError(f"{task.name}: the loss is not finite any more in epoch {epoch}; train with a smaller rate")
     return total / count
+
+
+def _board(folder: Path, epoch: int) -> AbstractContextManager[Any]:
+    """TensorBoard's log, from an epoch on, or None where TensorBoard is not installed."""
+    if importlib.util.find_spec("tensorboard") is None:
+        return nullcontext()
+    from torch.utils.tensorboard import SummaryWriter
+
+    return closing(SummaryWriter(str(folder), purge_step=epoch))  # type: ignore[no-untyped-call]
 
 
 def _best(history: list[dict[str, float]], measure: str) -> int:

@@ -29,7 +29,7 @@ from grasp_core.training.augment import Augmentation, corrupt, mirror_crops
 from grasp_core.training.calibration import fit_temperature, fold_temperature
 from grasp_core.training.loop import Batch, Fit, Schedule, ahead, fit, half_precision, pick_device
 from grasp_core.training.metrics import classification
-from grasp_core.training.scenes import TrainingScene, Views
+from grasp_core.training.scenes import TrainingScene, Views, one_view_each
 
 _BARE_HEIGHT = 0.004
 """Metres above the table up to which a pixel counts as bare: half the height of the finger tips."""
@@ -184,21 +184,17 @@ class RefinedTask:
         self._opening = opening
         self._device = device
         self._half = half_precision(device)
-        self.held_out = self.cut(validation)
-
-    def cut(self, scenes: Sequence[TrainingScene]) -> Samples:
-        """Every grasp of scenes for evaluation, with noise that is the same each time."""
-        if not any(len(scene.labels) for scene in scenes):
+        if not any(len(scene.labels) for scene in validation):
             raise ConfigError("no labelled grasp to validate on; the dataset's validation split is empty")
+        chosen = one_view_each(validation, np.random.default_rng([settings.schedule.seed, 2]))
+        self.held_out = gather(list(self._cut([validation[index] for index in chosen])))
+
+    def _cut(self, scenes: Sequence[TrainingScene]) -> Iterator[Samples]:
+        """Every grasp of scenes for evaluation, with noise that is the same each time."""
         seeds = np.random.SeedSequence([self._settings.schedule.seed, 1]).spawn(len(scenes))
-        return gather(
-            [
-                scene_samples(
-                    scene, self._settings, self._opening, np.random.default_rng(seed), training=False, index=index
-                )
-                for index, (scene, seed) in enumerate(zip(scenes, seeds, strict=True))
-            ]
-        )
+        for index, (scene, seed) in enumerate(zip(scenes, seeds, strict=True)):
+            rng = np.random.default_rng(seed)
+            yield scene_samples(scene, self._settings, self._opening, rng, training=False, index=index)
 
     def _pool(self, chosen: NDArray[np.int64], rng: np.random.Generator) -> Samples:
         scenes = (self._training[index] for index in chosen)
@@ -207,8 +203,8 @@ class RefinedTask:
         return Samples(samples.crops[order], samples.labels[order], samples.weights[order], samples.scene[order])
 
     def batches(self, rng: np.random.Generator) -> Iterator[tuple[float, Batch]]:
-        """Pools of scenes, cut in the background while the network learns from the pool before."""
-        order = rng.permutation(len(self._training))
+        """Pools of scenes, each in one of its views, cut in the background while the network learns the pool before."""
+        order = one_view_each(self._training, rng)
         pools = [order[start : start + self._settings.pool] for start in range(0, len(order), self._settings.pool)]
         for index, samples in enumerate(ahead(self._pool(pool, rng) for pool in pools)):
             count = max(1, round(len(samples.labels) / self._settings.schedule.batch))
@@ -240,13 +236,20 @@ class RefinedTask:
                 found.append((logits[:, 1] - logits[:, 0]).cpu().numpy())
         return np.concatenate(found).astype(float)
 
-    def measures(self, samples: Samples) -> dict[str, float]:
-        """Metrics of `metrics.classification`."""
-        return classification(scores(self.margins(samples)), samples.labels)
+    def judge(self, scenes: Sequence[TrainingScene]) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+        """Margins and labels (N,) of every grasp of scenes; their crops are never all in memory."""
+        found = [(self.margins(samples), samples.labels) for samples in self._cut(scenes)]
+        margins, labels = zip(*found, strict=True)
+        return np.concatenate(margins), np.concatenate(labels)
+
+    def measures(self, scenes: Sequence[TrainingScene]) -> dict[str, float]:
+        """Metrics of `metrics.classification` over every grasp of scenes."""
+        margins, labels = self.judge(scenes)
+        return classification(scores(margins), labels)
 
     def validate(self) -> dict[str, float]:
-        """The metrics on validation objects."""
-        return self.measures(self.held_out)
+        """The metrics on one view of every scene of validation objects."""
+        return classification(scores(self.margins(self.held_out)), self.held_out.labels)
 
 
 def scores(margins: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -275,7 +278,8 @@ def train_refined(
     """
     task = RefinedTask(training, validation, settings, opening, pick_device())
     fitted = fit(task, settings.schedule, folder, about=about, progress=progress)
-    temperature = fit_temperature(task.margins(task.held_out), task.held_out.labels)
+    margins, labels = task.judge(validation)
+    temperature = fit_temperature(margins, labels)
     fold_temperature(task.network.fc, temperature)
-    metrics = {**task.validate(), "temperature": temperature}
+    metrics = {**classification(scores(margins / temperature), labels), "temperature": temperature}
     return task, Fit(metrics, fitted.history, fitted.stopped)

@@ -8,14 +8,14 @@ same rectification as in planning: what the networks meet in use, with true pers
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grasp_core import config
-from grasp_core.camera import CANONICAL_HEIGHT, Camera, CameraIntrinsics, DepthImage, canonical_camera, look_down
+from grasp_core.camera import Camera, CameraIntrinsics, DepthImage, canonical_camera, look_down
 from grasp_core.errors import MismatchError
 from grasp_core.networks.weights import View
 from grasp_core.planning.crops import grasp_pixels
@@ -36,18 +36,27 @@ class Views(config.Settings):
     Attributes:
         count: renderings besides the stored one.
         reach: the scene is moved by up to this much along x and y, metres.
-        tilted: share of these views that a tilted camera sees.
+        tilted: share of these views that are taken by another camera: tilted, higher or lower, of another focal
+            length, and made canonical as in planning.
         tilt: largest tilt, rad.
+        height: least and greatest height of that camera, metres.
+        focal: least and greatest focal length of that camera, pixels at 640×480.
     """
 
     count: int = 0
     reach: float = 0.08
-    tilted: float = 0.3
-    tilt: float = 0.35
+    tilted: float = 0.5
+    tilt: float = 0.6
+    height: tuple[float, float] = (0.55, 0.9)
+    focal: tuple[float, float] = (450.0, 700.0)
 
     def __post_init__(self) -> None:
         if self.count < 0 or self.reach < 0 or not 0 <= self.tilted <= 1 or not 0 <= self.tilt < 1.2:
             raise ValueError("views: count and reach are at least 0, tilted is a share, tilt lies in [0, 1.2) rad")
+        for name in ("height", "focal"):
+            low, high = getattr(self, name)
+            if not 0 < low <= high:
+                raise ValueError(f"views: {name} is a least and a greatest value above 0, not {low} and {high}")
 
 
 @dataclass(frozen=True)
@@ -100,6 +109,11 @@ class TrainingScene:
     colliding: NDArray[np.bool_]
 
     @property
+    def stored(self) -> str:
+        """Name of the stored scene that this is a view of."""
+        return self.name.split("/")[0]
+
+    @property
     def depth(self) -> NDArray[np.float32]:
         """(H, W) canonical depth, metres."""
         return self.units.astype(np.float32) * np.float32(DEPTH_UNIT)
@@ -146,7 +160,7 @@ def training_scene(name: str, object_name: str, image: DepthImage, grasps: Grasp
 def more_views(
     name: str, object_name: str, scene: Scene, grasps: GraspLabels, views: Views, rng: np.random.Generator
 ) -> Iterator[TrainingScene]:
-    """Render a scene again, turned and moved at random, straight from above or by a tilted camera and rectified."""
+    """Render a scene again, turned and moved at random, from straight above or by another camera and rectified."""
     renderer = Renderer(scene)
     straight = canonical_camera()
     for index in range(views.count):
@@ -154,13 +168,27 @@ def more_views(
         move[:2, 3] = rng.uniform(-views.reach, views.reach, 2)
         poses = [move @ placed.world_from_object for placed in scene.objects]
         if rng.random() < views.tilted:
-            pose = _about_vertical(rng.uniform(-np.pi, np.pi)) @ look_down(
-                CANONICAL_HEIGHT, tilt=rng.uniform(0, views.tilt)
-            )
-            image = _middle(rectify(renderer.render(straight.at(pose), poses)).image)
+            image = _middle(rectify(renderer.render(_other_camera(views, rng), poses)).image)
         else:
             image = renderer.render(straight, poses)
         yield training_scene(f"{name}/{index + 1}", object_name, image, grasps.moved(move))
+
+
+def one_view_each(scenes: Sequence[TrainingScene], rng: np.random.Generator) -> NDArray[np.intp]:
+    """Indices of one view of every stored scene, drawn at random, in random order."""
+    views: dict[str, list[int]] = {}
+    for index, scene in enumerate(scenes):
+        views.setdefault(scene.stored, []).append(index)
+    return rng.permutation(np.array([rng.choice(indices) for indices in views.values()], np.intp))
+
+
+def _other_camera(views: Views, rng: np.random.Generator) -> Camera:
+    """A camera that looks at the world's origin from any side, within the bounds of the settings."""
+    focal = rng.uniform(*views.focal)
+    pose = look_down(rng.uniform(*views.height), tilt=rng.uniform(0, views.tilt))
+    return Camera(
+        CameraIntrinsics(focal, focal, 319.5, 239.5, 640, 480), _about_vertical(rng.uniform(-np.pi, np.pi)) @ pose
+    )
 
 
 def _about_vertical(yaw: float) -> NDArray[np.float64]:

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core import config
-from grasp_core.camera import DepthImage
-from grasp_core.gripper import Gripper
-from grasp_core.networks.runtime import Runtime
-from grasp_core.planning.candidates import Batch, distinct, make_batch, reachable, to_candidates
-from grasp_core.planning.planner import Plan
-from grasp_core.planning.result import begin, finish
+from grasp_core.planning.candidates import Batch, make_batch, reachable
+from grasp_core.planning.image_planner import Found, ImagePlanner, SearchSettings
 from grasp_core.planning.stages import Stages
-from grasp_core.planning.view import TableView, ViewSettings
+from grasp_core.planning.view import TableView
 
 
-class AntipodalSettings(config.Settings):
+class AntipodalSettings(SearchSettings):
     """Settings of antipodal grasps.
 
     Attributes:
@@ -28,10 +21,6 @@ class AntipodalSettings(config.Settings):
         least_step: depth over three pixels that makes an edge, metres.
         fill: share of the opening that the pair may fill.
         pairs: best ones that are checked for collisions.
-        candidates: at most returned.
-        least_distance: between two candidates, metres, unless their angles differ.
-        least_angle: between two candidates, rad, unless their positions differ.
-        view: what may be grasped.
     """
 
     edges: int = 500
@@ -39,60 +28,31 @@ class AntipodalSettings(config.Settings):
     least_step: float = 0.006
     fill: float = 0.9
     pairs: int = 1000
-    candidates: int = 10
-    least_distance: float = 0.01
-    least_angle: float = 0.26
-    view: ViewSettings = ViewSettings()
 
     def __post_init__(self) -> None:
-        for name in ("edges", "friction", "least_step", "fill", "pairs", "candidates"):
-            if getattr(self, name) <= 0:
-                raise ValueError(f"{name} must be above 0, not {getattr(self, name)}")
+        super().__post_init__()
+        self.need_above_0("edges", "friction", "least_step", "fill", "pairs")
 
 
-class AntipodalPlanner:
-    """See `Planner`. A score is how squarely both fingers meet their edges: the product of the two cosines."""
+class AntipodalPlanner(ImagePlanner[AntipodalSettings]):
+    """See `Planner`; it takes some ten milliseconds, whatever the budget.
+
+    A score is how squarely both fingers meet their edges: the product of the two cosines.
+    """
 
     settings_type = AntipodalSettings
 
-    def __init__(self, gripper: Gripper, settings: AntipodalSettings | None = None) -> None:
-        self.gripper = gripper
-        self.settings = settings or AntipodalSettings()
-
-    @classmethod
-    def make(
-        cls, settings: AntipodalSettings, gripper: Gripper, *, weights: str | Path, runtime: Runtime | None
-    ) -> AntipodalPlanner:
-        """The planner; it needs no weights."""
-        return cls(gripper, settings)
-
-    def __call__(
-        self,
-        image: DepthImage,
-        *,
-        mask: NDArray[np.bool_] | None = None,
-        budget_ms: float | None = None,
-        rng: np.random.Generator,
-    ) -> Plan:
-        """See `Planner`; it takes some ten milliseconds, whatever the budget."""
-        s, stages = self.settings, Stages(budget_ms)
-        view = begin(image, mask, s.view, stages)
-        if isinstance(view, Plan):
-            return view
+    def search(self, view: TableView, stages: Stages, rng: np.random.Generator) -> Found:
+        """See `ImagePlanner`."""
         with stages.stage("candidates"):
             batch, scores = self._pairs(view, rng)
-            free = np.flatnonzero(reachable(batch, view, self.gripper)) if len(batch) else np.zeros(0, np.intp)
-            chosen = distinct(batch, free, s.least_distance, s.least_angle, s.candidates)
-        with stages.stage("output"):
-            found = to_candidates(batch[chosen], scores[chosen], np.zeros(len(chosen)), view, self.gripper)
-        reason = None
-        if not found:
-            reason = (
-                f"fingers or rod would meet what is seen in all {len(batch)} antipodal pairs of edges"
-                if len(batch)
-                else "no two depth edges face away from each other within the opening and the friction cone"
-            )
-        return finish(view, None, None, [np.column_stack([batch.u, batch.v])], found, found, reason, stages)
+            free = reachable(batch, view, self.gripper)
+        none = (
+            f"fingers or rod would meet what is seen, or what it hides, in all {len(batch)} antipodal pairs of edges"
+            if len(batch)
+            else "no two depth edges face away from each other within the opening and the friction cone"
+        )
+        return Found(batch[free], scores[free], none, np.column_stack([batch.u, batch.v]))
 
     def _pairs(self, view: TableView, rng: np.random.Generator) -> tuple[Batch, NDArray[np.float64]]:
         """Grasps between antipodal edges, best first, and their scores."""

@@ -2,77 +2,36 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core import config
-from grasp_core.camera import DepthImage
-from grasp_core.gripper import Gripper
-from grasp_core.networks.runtime import Runtime
-from grasp_core.planning.candidates import make_batch, reachable, to_candidates
-from grasp_core.planning.planner import Plan
-from grasp_core.planning.result import begin, finish
+from grasp_core.planning.candidates import make_batch, reachable
+from grasp_core.planning.image_planner import Found, ImagePlanner, SearchSettings
 from grasp_core.planning.stages import Stages
-from grasp_core.planning.view import ViewSettings
+from grasp_core.planning.view import TableView
 
 
-class CentroidSettings(config.Settings):
-    """Settings of centroid grasps.
+class CentroidSettings(SearchSettings):
+    """Settings of centroid grasps: those of every search."""
 
-    Attributes:
-        candidates: at most returned.
-        view: what may be grasped.
+
+class CentroidPlanner(ImagePlanner[CentroidSettings]):
+    """See `Planner`; nothing in it is random, and it takes a few milliseconds, whatever the budget.
+
+    A score is the thing's share of all that was seen; closing along the longer axis scores half.
     """
-
-    candidates: int = 10
-    view: ViewSettings = ViewSettings()
-
-    def __post_init__(self) -> None:
-        if self.candidates < 1:
-            raise ValueError(f"candidates must be at least 1, not {self.candidates}")
-
-
-class CentroidPlanner:
-    """See `Planner`. A score is the thing's share of all that was seen; closing along the longer axis scores half."""
 
     settings_type = CentroidSettings
 
-    def __init__(self, gripper: Gripper, settings: CentroidSettings | None = None) -> None:
-        self.gripper = gripper
-        self.settings = settings or CentroidSettings()
-
-    @classmethod
-    def make(
-        cls, settings: CentroidSettings, gripper: Gripper, *, weights: str | Path, runtime: Runtime | None
-    ) -> CentroidPlanner:
-        """The planner; it needs no weights."""
-        return cls(gripper, settings)
-
-    def __call__(
-        self,
-        image: DepthImage,
-        *,
-        mask: NDArray[np.bool_] | None = None,
-        budget_ms: float | None = None,
-        rng: np.random.Generator,
-    ) -> Plan:
-        """See `Planner`; nothing in it is random, and it takes a few milliseconds, whatever the budget."""
-        s, stages = self.settings, Stages(budget_ms)
-        view = begin(image, mask, s.view, stages)
-        if isinstance(view, Plan):
-            return view
+    def search(self, view: TableView, stages: Stages, rng: np.random.Generator) -> Found:
+        """See `ImagePlanner`."""
         with stages.stage("candidates"):
             u, v, angle, scores = _axes(view.places)
             batch = make_batch(view, u, v, angle)
-            free = np.flatnonzero(reachable(batch, view, self.gripper))
-            best = free[np.argsort(-scores[free], kind="stable")][: s.candidates]
-        with stages.stage("output"):
-            found = to_candidates(batch[best], scores[best], np.zeros(len(best)), view, self.gripper)
-        reason = None if found else "fingers or rod would meet what is seen at the centroids of all things"
-        return finish(view, None, None, [np.column_stack([u, v])], found, found, reason, stages)
+            free = reachable(batch, view, self.gripper)
+        none = "fingers or rod would meet what is seen, or what it hides, at the centroids of all things"
+        return Found(batch[free], scores[free], none, np.column_stack([u, v]))
 
 
 def _axes(places: NDArray[np.bool_]) -> tuple[NDArray, NDArray, NDArray, NDArray]:

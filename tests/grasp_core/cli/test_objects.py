@@ -24,7 +24,7 @@ def test_sheet_draws_families_names_and_files(tmp_path, capsys):
     picture = tmp_path / "sheet.png"
     names = ["mug", "box_004", str(tmp_path / "crate.stl")]
     assert main(["objects", "sheet", *names, "--out", str(picture), "--seeds", "2", "--size", "80"]) == 0
-    assert cv2.imread(str(picture)).shape == (114, 320, 3)
+    assert cv2.imread(str(picture)).shape == (129, 320, 3)
     assert "4 objects" in capsys.readouterr().out
 
 

@@ -4,10 +4,10 @@ import shutil
 import numpy as np
 import pytest
 
-from grasp_core.dataset.archive import locate_archive, read_archive, unpack_objects, write_archive
+from grasp_core.dataset.archive import locate_archive, read_archive, write_archive
 from grasp_core.dataset.generate import generate
 from grasp_core.dataset.recipe import Objects, Recipe
-from grasp_core.dataset.restore import restore, sample_scenes
+from grasp_core.dataset.restore import restore
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.dataset.verify import verify
 from grasp_core.errors import StoreError
@@ -87,13 +87,6 @@ def test_a_part_can_be_restored_and_completed(made, tmp_path):
         assert len(store.objects()) == 1
     with restore(archive, tmp_path / "p", executor=Executor(workers=0)) as store:
         assert [row.name for row in store.scenes()] == sorted(archive.scenes)
-
-
-def test_sample_covers_categories_and_splits(made):
-    archive = read_archive(made[1])
-    assert sample_scenes(archive, train=2, validation=1, test=1) == ["box_000-0", "can_000-0", "carton_009-0"]
-    assert len(sample_scenes(archive)) == 4
-    assert len(unpack_objects(archive)) == 4
 
 
 def test_damaged_missing_and_newer_archives(made, tmp_path):

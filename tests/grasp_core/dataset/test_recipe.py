@@ -1,18 +1,33 @@
+import itertools
+
 import msgspec
 import pytest
 import trimesh
 
 from grasp_core import config
-from grasp_core.dataset.recipe import Folder, Objects, Recipe, load_recipe, name_seed, plan_objects
+from grasp_core.dataset.recipe import Folder, Objects, Recipe, load_recipe, name_seed, plan_objects, with_modelnet
 from grasp_core.dataset.rows import SPLITS
 from grasp_core.errors import ConfigError
+from grasp_core.objects import sets
+from grasp_core.objects.sets import set_of
+from grasp_core.objects.similarity import near_duplicates
+
+
+def shipped_plans(name):
+    """(recipe, plans) of a shipped recipe; skips where the installable sets that it names are missing."""
+    recipe = load_recipe(name)
+    try:
+        return recipe, plan_objects(recipe)
+    except ConfigError as error:
+        if "is not installed; run: pip install" not in str(error):
+            raise
+        pytest.skip(str(error))
 
 
 @pytest.mark.parametrize("name", sorted(config.shipped("recipes")))
 def test_shipped_recipes_can_be_followed(name):
-    recipe = load_recipe(name)
+    recipe, plans = shipped_plans(name)
     assert recipe.name == name
-    plans = plan_objects(recipe)
     assert {plan.split for plan in plans} == set(SPLITS)
     assert len({plan.name for plan in plans}) == len(plans)
 
@@ -22,6 +37,68 @@ def test_paper_has_the_papers_numbers():
     assert (recipe.grid, recipe.angles, recipe.attempts) == (11, 6, 5)
     splits = [plan.split for plan in plan_objects(recipe)]
     assert (splits.count("train"), splits.count("test")) == (100, 20)
+
+
+def test_default_has_objects_enough_from_catalogue_and_sets():
+    _, plans = shipped_plans("default")
+    for split, least in (("train", 200), ("validation", 20), ("test", 20)):
+        own = [plan for plan in plans if plan.split == split]
+        assert len(own) >= least
+        assert {"rgb", "random_urdfs"} < {plan.family for plan in own}
+
+
+def close_pairs(plans):
+    """Pairs of objects of different splits that are near-duplicates."""
+    assets = {split: [plan.make() for plan in plans if plan.split == split] for split in SPLITS}
+    return [pair for a, b in itertools.combinations(SPLITS, 2) for pair in near_duplicates(assets[a], assets[b])]
+
+
+def test_default_has_no_near_duplicates_among_the_families_that_splits_share():
+    plans = plan_objects(catalogue_of("default"))
+    held = {plan.family for plan in plans if plan.split != "train"}
+    shared = [plan for plan in plans if plan.family in held]
+    assert len({plan.family for plan in shared if plan.split == "train"}) >= 15
+    assert close_pairs(shared) == []
+
+
+@pytest.mark.slow
+def test_default_has_no_near_duplicates_across_splits():
+    _, plans = shipped_plans("default")
+    assert close_pairs(plans) == []
+
+
+def catalogue_of(name):
+    """A shipped recipe without the objects of installable sets."""
+    recipe = load_recipe(name)
+    splits = {}
+    for split in SPLITS:
+        own = recipe.objects(split)
+        splits[split] = msgspec.structs.replace(own, names=tuple(one for one in own.names if set_of(one) is None))
+    return msgspec.structs.replace(recipe, **splits)
+
+
+def test_objects_of_sets_are_named_and_made(monkeypatch, tmp_path):
+    plans = plan_objects(recipe_of_a_set(monkeypatch, tmp_path, "rgb_block"))
+    assert [(plan.name, plan.split, plan.family) for plan in plans] == [("rgb_block", "train", "rgb")]
+    assert plans[0].make().extents.max() == pytest.approx(0.06)
+
+
+def test_sets_without_the_object_or_not_installed_are_named_before_any_work(monkeypatch, tmp_path):
+    with pytest.raises(ConfigError, match="recipe 't': the set 'rgb' has no object 'rgb_none'"):
+        plan_objects(recipe_of_a_set(monkeypatch, tmp_path, "rgb_none"))
+    monkeypatch.setitem(sets.SETS, "rgb", ("no_such_package", "", "*.stl"))
+    with pytest.raises(ConfigError, match=r"recipe 't': the set 'rgb' is not installed; run: pip install"):
+        plan_objects(Recipe(name="t", train=Objects(names=("rgb_block",))))
+
+
+def recipe_of_a_set(monkeypatch, tmp_path, name):
+    """A recipe of one object of a set that is installed with one mesh, a block."""
+    (tmp_path / "made_set" / "train").mkdir(parents=True)
+    (tmp_path / "made_set" / "__init__.py").touch()
+    trimesh.creation.box((0.05, 0.04, 0.06)).export(tmp_path / "made_set" / "train" / "block.stl")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(sets.SETS, "rgb", ("made_set", "", "*/*.stl"))
+    return Recipe(name="t", train=Objects(names=(name,)))
 
 
 def test_families_and_names(tmp_path):
@@ -49,7 +126,7 @@ def test_an_object_stands_in_one_split():
     ("objects", "message"),
     [
         (Objects(families={"boxx": 1}), "no family is called 'boxx'; choose from: .*box"),
-        (Objects(names=("box",)), "'box' is no object of the catalogue"),
+        (Objects(names=("box",)), "'box' is no object of the catalogue .* or of a set"),
         (Objects(folders=(Folder(path="/not/there"),)), "/not/there: no such folder"),
         (Objects(), "names no objects"),
     ],
@@ -74,6 +151,30 @@ def test_folders_count_from_the_recipe_file(tmp_path):
     assert 0.10 <= asset.extents.max() <= 0.20
     file.write_text("name: own\ntrain:\n  folders:\n    - {path: meshes, most: 1}\n")
     assert [plan.name for plan in plan_objects(load_recipe(file))] == ["a"]
+
+
+def test_modelnet_takes_the_place_of_the_objects_and_keeps_its_split(tmp_path):
+    for label in ("chair", "flower_pot"):
+        for split in ("train", "test"):
+            (tmp_path / label / split).mkdir(parents=True)
+            for number in range(3):
+                trimesh.creation.box((30, 20, 10)).export(
+                    tmp_path / label / split / f"{label}_{split}_{number:04d}.off"
+                )
+    own = Objects(families={"box": 3})
+    recipe = Recipe(name="t", train=own, validation=Objects(names=("box_008",)), test=Objects(names=("box_009",)))
+    plans = plan_objects(with_modelnet(recipe, tmp_path))
+    assert [(plan.name, plan.split) for plan in plans] == [
+        ("chair_train_0000", "train"),
+        ("flower_pot_train_0000", "train"),
+        ("chair_train_0001", "train"),
+        ("flower_pot_train_0001", "validation"),
+        ("chair_test_0000", "test"),
+    ]
+    asset = plans[3].make()
+    assert asset.category == "flower_pot_train" and 0.1 <= asset.extents.max() <= 0.2
+    with pytest.raises(ConfigError, match="is no ModelNet folder"):
+        plan_objects(with_modelnet(recipe, tmp_path / "chair" / "train"))
 
 
 def test_meshes_that_a_urdf_names_are_no_objects_of_their_own(tmp_path):

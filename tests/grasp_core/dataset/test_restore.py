@@ -8,7 +8,7 @@ from grasp_core.dataset import archive as archives
 from grasp_core.dataset.archive import STEPS, Archive, executed_pose, read_archive, write_archive
 from grasp_core.dataset.content import SceneRecord
 from grasp_core.dataset.recipe import Recipe
-from grasp_core.dataset.restore import restore, sample_scenes
+from grasp_core.dataset.restore import restore
 from grasp_core.dataset.rows import AttemptRow
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import Cancelled, MismatchError, StoreError
@@ -137,17 +137,3 @@ def test_another_physics_dataset_in_the_folder_is_refused(made, tmp_path):
     DatasetStore.create(tmp_path / "r", name="o", gripper=load_gripper(), physics=physics, recipe=RECIPE).close()
     with pytest.raises(MismatchError, match="friction differ"):
         restore(archive, tmp_path / "r", executor=HERE)
-
-
-def test_samples_take_new_categories_first(made):
-    """Three objects of two categories: the second of a kind comes only when nothing new is left."""
-    _, archive = made
-    head = archive.head
-    kinds = {"box_000": "box", "box_001": "box", "box_002": "can"}
-    objects = [msgspec.structs.replace(o, category=kinds[o.name], split="train") for o in head.objects]
-    mixed = Archive(msgspec.structs.replace(head, objects=objects), archive.columns)
-    assert sample_scenes(mixed, train=2, validation=0, test=0) == ["box_000-0", "box_002-0"]
-    assert sample_scenes(mixed, train=9) == ["box_000-0", "box_002-0", "box_001-0"]
-    assert sample_scenes(archive, train=1, validation=1, test=1) == ["box_000-0", "box_001-0"]
-    other = [msgspec.structs.replace(scene, pose=1) for scene in head.scenes]
-    assert sample_scenes(Archive(msgspec.structs.replace(head, scenes=other), archive.columns)) == []

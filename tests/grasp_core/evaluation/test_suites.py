@@ -3,7 +3,8 @@ import pytest
 import trimesh
 
 from grasp_core import config
-from grasp_core.errors import ConfigError, GraspError
+from grasp_core.dataset.recipe import ObjectPlan
+from grasp_core.errors import ConfigError, GraspError, MeshError
 from grasp_core.evaluation import cache, suites
 from grasp_core.evaluation.suites import Suite, object_plans, parse_scale, poses_of
 from grasp_core.objects.parametric import FAMILIES, make
@@ -71,7 +72,7 @@ def test_a_suite_may_be_a_split_of_a_recipe():
 def test_a_suite_says_its_objects_once(tmp_path, text):
     path = tmp_path / "mine.yaml"
     path.write_text(text)
-    with pytest.raises(ConfigError, match="either objects or the name of a recipe"):
+    with pytest.raises(ConfigError, match="one source"):
         object_plans(str(path), "keep", 0)
 
 
@@ -79,8 +80,42 @@ def test_a_suite_says_its_objects_once(tmp_path, text):
 def test_shipped_suites_name_objects_that_exist(name):
     suite = config.load("benchmarks", name, Suite)
     assert suite.about
-    plans = object_plans(name, "keep", 0)
-    assert plans and all(plan.file or plan.family in FAMILIES for plan in plans)
+    try:
+        plans = object_plans(name, "keep", 0)
+    except MeshError as error:
+        pytest.skip(str(error))
+    assert len({plan.name for plan in plans}) == len(plans) > 0
+    assert all(plan.family in FAMILIES for plan in plans if isinstance(plan, ObjectPlan) and not plan.file)
+
+
+def test_the_test_suite_has_three_hundred_scenes_and_no_object_that_a_recipe_trains_or_validates_on():
+    from grasp_core.dataset.recipe import load_recipe, plan_objects
+
+    suite = config.load("benchmarks", "test", Suite)
+    plans = object_plans("test", "keep", 0)
+    assert len(plans) * suite.draws >= 240  # most objects have two poses
+    for recipe in ("default", "smoke"):
+        seen = {plan.name for plan in plan_objects(load_recipe(recipe)) if plan.split != "test"}
+        assert not seen & {plan.name for plan in plans}
+
+
+def test_an_installed_set_is_spread_evenly(monkeypatch):
+    from pathlib import Path
+
+    monkeypatch.setattr(suites, "set_files", lambda name: {f"{name}_{k}": Path(f"{k}.stl") for k in range(10)})
+    assert [plan.name for plan in object_plans("random", "keep", 0)] == [f"random_urdfs_{k}" for k in range(10)]
+    path = config.locate("benchmarks", "random")
+    assert config.load("benchmarks", path, Suite).most == 150
+
+
+def test_a_hard_suite_needs_a_count(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("about: mine\nhard: {flat: {length: [0.1, 0.2], width: [0.03, 0.09], height: [0.01, 0.02]}}\n")
+    with pytest.raises(ConfigError, match="most: says how many"):
+        object_plans(str(path), "keep", 0)
+    path.write_text("about: mine\nmost: 2\nhard: {flat: {length: [0.1, 0.2]}}\n")
+    with pytest.raises(ConfigError, match="flat: needs the ranges of length, width, height"):
+        object_plans(str(path), "keep", 0)
 
 
 def test_the_catalogue_suite_holds_every_family_and_no_object_of_a_recipe():

@@ -48,6 +48,35 @@ def test_figures_of_one_planner():
     assert {name: (r.successes, r.attempts) for name, r in summary.objects.items()} == {"mug": (3, 4), "pen": (0, 2)}
 
 
+def test_a_higher_threshold_drops_candidates_and_plans():
+    def scored(score: float, word: str) -> CandidateRecord:
+        return msgspec.structs.replace(candidate(word), score=score)
+
+    log = log_of(
+        ("mug", True, {"a": [scored(0.95, "ss"), scored(0.55, "sc")]}),
+        ("pen", True, {"a": [scored(0.65, "ss"), scored(0.55, "cc")]}),
+        ("box", False, {"a": [scored(0.72, "cc")]}),
+    )
+    for key, plan in list(log.plans.items()):
+        log.add(msgspec.structs.replace(plan, weights="w 1"))
+        assert log.plans[key].weights == "w 1"
+    summary = summarise(log, 2)["a"]
+    at = {a.threshold: a for a in summary.at_thresholds}
+    assert min(at) == 0.6  # all were returned at 0.55 and above: nothing is known of lower ones
+    assert (at[0.6].all.successes, at[0.6].all.attempts, at[0.6].empty) == (4, 4, 0)
+    assert (at[0.7].top1.successes, at[0.7].top1.attempts, at[0.7].empty) == (2, 4, 1)
+    assert [at[t].abstained_on_ungraspable for t in (0.6, 0.7, 0.75)] == [0, 0, 1]
+    # bins: 0.55 twice with a half and nothing, 0.65 and 0.95 with all, 0.72 with nothing
+    assert summary.calibration_error == pytest.approx((2 * 0.30 + 0.35 + 0.05 + 0.72) / 5, abs=1e-4)
+    assert "a with t" in text({"a": summary}) and summary.five_candidates == 0
+
+
+def test_planners_without_networks_have_no_thresholds_and_no_calibration():
+    log = log_of(("mug", True, {"a": [candidate("ss")] * 5}))
+    summary = summarise(log, 2)["a"]
+    assert summary.at_thresholds == () and summary.calibration_error is None and summary.five_candidates == 1
+
+
 def test_the_keys_of_the_contract_are_there():
     built = msgspec.to_builtins(summarise(log_of(("mug", True, {"a": [candidate("ss")]})), 2))
     assert set(built) == {"a"}

@@ -42,6 +42,15 @@ def test_half_precision_stays_close(make_weights: Maker) -> None:
     assert np.abs(full - half).max() <= 0.03
 
 
+@needs_openvino
+def test_automatic_precision_is_what_the_processor_computes_in(make_weights: Maker, monkeypatch) -> None:
+    path = make_weights()
+    for native, name in ((True, "openvino-bf16"), (False, "openvino")):
+        monkeypatch.setattr("grasp_core.networks.openvino_models.native_bf16", lambda native=native: native)
+        assert load_runtime(path, "openvino", threads=1, precision="auto").backend == name
+    assert load_runtime(path, "torch", threads=1, precision="auto").backend.startswith("torch")
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_shapes_and_their_errors(make_weights: Maker, backend: str) -> None:
     runtime = load_runtime(make_weights(), backend, threads=1)  # type: ignore[arg-type]

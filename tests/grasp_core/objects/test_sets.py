@@ -1,7 +1,7 @@
 import pytest
 
 from grasp_core.errors import MeshError
-from grasp_core.objects.sets import set_files, set_object
+from grasp_core.objects.sets import set_files, set_object, set_of
 
 
 def installed(name):
@@ -35,3 +35,7 @@ def test_unknown_names_are_refused():
         set_files("ycb")
     with pytest.raises(MeshError, match="names begin with: rgb, random_urdfs"):
         set_object("ycb_003")
+
+
+def test_the_set_of_a_name_needs_no_installation():
+    assert [set_of(name) for name in ("rgb_b2", "random_urdfs_003", "mug_003")] == ["rgb", "random_urdfs", None]

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
 import trimesh
+import viser
 import yourdfpy
+from viser.extras import ViserUrdf
 
 from grasp_core.errors import MeshError
 from grasp_core.objects.library import load_object
@@ -30,6 +32,18 @@ def test_export_opens_in_yourdfpy_with_parts_mass_and_inertia(tmp_path):
     assert mass == pytest.approx(asset.volume * 500)
     assert np.allclose(link.inertial.inertia, asset.unit_inertia * 500, rtol=1e-6)
     assert np.allclose(robot.scene.extents, asset.extents, atol=1e-6)
+
+
+def test_export_opens_in_viser(tmp_path):
+    asset = make("cup", 0)
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        shown = ViserUrdf(server, write_urdf(asset, tmp_path), load_collision_meshes=True)
+        shown.show_collision = True
+        assert shown.get_actuated_joint_limits() == {}
+        assert [mesh.name.split("/")[1] for mesh in shown._meshes] == ["visual", "collision"]
+    finally:
+        server.stop()
 
 
 def test_import_of_an_export_is_the_same_object(tmp_path):

@@ -15,31 +15,43 @@ from grasp_core.sensing.renderer import render
 VGA = CameraIntrinsics(525, 525, 319.5, 239.5, 640, 480)
 
 
+class Clock:
+    """Time that passes when it is told to, in place of the clock of the stages."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+
 class FakeRuntime:
     """Geometry in place of networks: heat is where something stands; a score says how narrow it is between free ends.
 
     Attributes:
         scored: sizes of the batches that were scored.
-        delay: seconds that a batch takes.
+        delay: seconds that a batch takes on the clock.
     """
 
-    def __init__(self, gripper: Gripper | None = None, factor: float = 1.0, delay: float = 0.0) -> None:
+    def __init__(
+        self, gripper: Gripper | None = None, factor: float = 1.0, delay: float = 0.0, clock: Clock | None = None
+    ) -> None:
         gripper = gripper or load_gripper()
         self.meta = Weights(name="fake", gripper=gripper.name, gripper_digest=gripper.digest)
         self.digest = "0123"
         self.backend = "fake"
         self.factor = factor
         self.delay = delay
+        self.clock = clock or Clock()
         self.scored: list[int] = []
 
     def quality_map(self, x: np.ndarray) -> np.ndarray:
+        self.clock.now += self.delay
         return np.stack([cv2.GaussianBlur((image > 0.1).astype(np.float32), (0, 0), 6) for image in x])
 
     def scores(self, crops: np.ndarray) -> np.ndarray:
-        import time
-
         self.scored.append(len(crops))
-        time.sleep(self.delay)
+        self.clock.now += self.delay
         middle = crops[:, 16:32]
         free = np.minimum(middle[:, :, :7].min((1, 2)), middle[:, :, -7:].min((1, 2))) > 0
         filled = (middle < -0.05).mean(2)  # of every row across the closing axis
@@ -77,6 +89,13 @@ def photo():
 @pytest.fixture
 def make_runtime():
     return FakeRuntime
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    own = Clock()
+    monkeypatch.setattr("grasp_core.planning.stages.time", own)
+    return own
 
 
 @pytest.fixture

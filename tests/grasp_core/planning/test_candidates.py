@@ -84,6 +84,20 @@ def test_the_gripper_reaches_across_a_long_box_but_not_along_it(photo, make_box,
     assert (across.score, across.heat, across.grasp.width) == (0.5, 0.1, 0.10)
 
 
+def test_what_is_hidden_may_be_in_the_way(photo, make_box):
+    # A tilted camera does not see the place of the finger behind a tall wall.
+    wall = make_box(0.0, 0.0, (0.10, 0.04, 0.10), 0.0)
+    free = []
+    for tilt in (0.0, 0.3, 0.7):
+        _, view = look(photo(wall, tilt=tilt), None, ViewSettings())
+        u, v = pixel(view, 0.0, 0.0, 0.10)
+        batch = make_batch(view, [u], [v], [math.pi / 2])
+        batch.depth[:] = 0.70 - 0.055  # tips 4.5 cm below the top of the wall
+        assert (view.depth < 0.62).any()
+        free.append(bool(reachable(batch, view, GRIPPER)[0]))
+    assert free == [True, True, False]
+
+
 def test_a_tall_neighbour_stops_the_rod(photo, make_box):
     low = make_box(0.0, 0.0, (0.03, 0.03, 0.06), 0.0)
     tall = make_box(0.052, 0.03, (0.02, 0.02, 0.14), 0.0)  # beside the finger, under the end of the rod

@@ -59,7 +59,7 @@ def test_candidates_are_sorted_distinct_above_t_and_among_the_scored(planner, ph
     scores = [candidate.score for candidate in plan.candidates]
     assert 2 <= len(scores) <= 10 and scores == sorted(scores, reverse=True) and min(scores) >= 0.5
     assert [c.score for c in plan.scored] == sorted((c.score for c in plan.scored), reverse=True)
-    assert set(map(id, plan.candidates)) <= set(map(id, plan.scored)) and len(plan.scored) <= 64
+    assert set(map(id, plan.candidates)) <= set(map(id, plan.scored)) and 64 < len(plan.scored) <= 128
     for i, one in enumerate(plan.candidates):
         for other in plan.candidates[:i]:
             apart = np.linalg.norm(np.subtract(one.grasp.position, other.grasp.position))
@@ -132,18 +132,65 @@ def test_a_mask_limits_where_to_grasp(planner, photo, make_box, rng):
             planner(image, mask=wrong, rng=rng)
 
 
-def test_a_budget_returns_the_best_found_in_time(make_runtime, photo, make_box, rng):
-    runtime = make_runtime(delay=0.05)
-    planner = CascadePlanner(runtime, GRIPPER)
+def test_a_budget_returns_the_best_found_in_time(make_runtime, clock, photo, make_box, rng):
+    runtime = make_runtime(delay=0.05, clock=clock)
+    planner = CascadePlanner(runtime, GRIPPER, settings(regions=1, polished=0))
     image = photo(make_box(0, 0))
     planner(image, rng=rng)
     assert runtime.scored == [64]
-    runtime.scored.clear()
-    plan = planner(image, budget_ms=1.0, rng=rng)
-    assert runtime.scored == [16] and len(plan.scored) == 16
-    runtime.scored.clear()
-    plan = planner(image, budget_ms=60_000, rng=rng)
-    assert runtime.scored == [16] * 4 and len(plan.scored) == 64
+    for budget, batches in ((101, 1), (151, 2), (60_000, 4)):
+        runtime.scored.clear()
+        plan = planner(image, budget_ms=budget, rng=rng)
+        assert runtime.scored == [16] * batches and len(plan.scored) == 16 * batches
+        assert plan.candidates and plan.total_ms <= budget
+
+
+def test_a_plan_that_runs_out_of_time_says_so(make_runtime, clock, photo, make_box, rng):
+    runtime = make_runtime(delay=0.05, clock=clock)
+    plan = CascadePlanner(runtime, GRIPPER)(photo(make_box(0, 0)), budget_ms=40, rng=rng)
+    assert plan.candidates == () and runtime.scored == []
+    assert plan.reason == "the time was over before any grasp was scored"
+
+
+def test_a_small_thing_is_sampled_again_when_its_only_region_yields_nothing(make_runtime, photo, make_box, rng):
+    image = photo(make_box(0.0, 0.0, (0.03, 0.03, 0.04)))
+    runtime = make_runtime(factor=0.3)
+    plan = CascadePlanner(runtime, GRIPPER, settings(regions=3, polished=0))(image, rng=rng)
+    assert runtime.scored == [64, 64, 64] and len({c.grasp for c in plan.scored}) > 100
+    assert plan.reason.startswith("all 192 scored grasps are below t")
+
+
+def test_grasps_around_the_best_ones_are_judged_too(make_runtime, photo, make_box):
+    image = photo(make_box(0, 0, (0.14, 0.05, 0.05), 0.4))
+    better, near = [], []
+    for seed in range(6):
+        plain, polished = (
+            CascadePlanner(make_runtime(), GRIPPER, settings(polished=count))(image, rng=np.random.default_rng(seed))
+            for count in (0, 64)
+        )
+        old, new = {c.grasp for c in plain.scored}, polished.scored
+        added = [c for c in new if c.grasp not in old]
+        assert len(plain.scored) == 64 and len(added) == 64 and len(polished.scored) == 128
+        best = [np.array(c.grasp.position[:2]) for c in plain.scored[:8]]
+        near += [min(np.linalg.norm(np.array(c.grasp.position[:2]) - p) for p in best) for c in added]
+        assert polished.candidates[0].score >= plain.candidates[0].score
+        better.append(np.mean([c.score for c in added]) - np.mean([c.score for c in plain.scored]))
+    assert min(better) > 0.05
+    assert np.median(near) < 0.008
+    with pytest.raises(ConfigError, match="polished"):
+        convert({"polished": -1}, CascadeSettings, "x")
+
+
+def test_further_regions_are_tried_until_there_are_enough_candidates(make_runtime, photo, make_box, rng):
+    image = photo(make_box(-0.1, 0.0), make_box(0.1, 0.0))
+    few, many = (
+        CascadePlanner(make_runtime(), GRIPPER, settings(enough=enough, candidates=30, regions=6, polished=0))(
+            image, rng=np.random.default_rng(0)
+        )
+        for enough in (1, 15)
+    )
+    assert len(few.candidates) < 15 <= len(many.candidates)
+    assert len(many.scored) > len(few.scored) == 64
 
 
 def test_missing_pixels_are_filled_and_their_share_reported(planner, photo, make_box, rng):

@@ -31,10 +31,10 @@ def test_finish_moves_the_window_onto_the_canvas(photo, make_box):
     view = begin(photo(make_box(0.1, 0.05, (0.03, 0.03, 0.03))), None, ViewSettings(), Stages())
     heat = np.zeros(view.places.shape, np.float32)
     heat[20, 30] = 1.5
-    plan = finish(view, heat, (30, 20, 25.0), [np.array([[30.0, 20.0]])], (), (), "none", Stages())
+    plan = finish(view, heat, (30, 20, 25.0), np.array([[30.0, 20.0]]), (), (), "none", Stages())
     u, v, radius = plan.region
     assert plan.quality_map[int(v), int(u)] == 1.5 and plan.quality_map.sum() == 1.5 and radius == 25
     assert plan.sampled.tolist() == [[u, v]]
     assert (u, v) == (30 + view.columns.start, 20 + view.rows.start) and u > 30
-    bare = finish(view, None, None, [], (), (), "none", Stages())
+    bare = finish(view, None, None, np.zeros((0, 2)), (), (), "none", Stages())
     assert bare.sampled.shape == (0, 2) and bare.region is None and not bare.quality_map.any()

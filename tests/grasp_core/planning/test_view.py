@@ -19,7 +19,7 @@ def places(view: TableView) -> np.ndarray:
 def test_places_are_what_stands_above_the_table(photo, make_box):
     _, view = look(photo(make_box(0.05, -0.04)), None, SETTINGS)
     assert isinstance(view, TableView)
-    raised = view.rectified.image.depth < 0.69
+    raised = view.rectified.image.depth < 0.692
     assert np.array_equal(places(view), raised)
     points = view.rectified.image.points()[places(view)]
     assert np.allclose(points.mean(axis=0), [0.05, -0.04, 0.05], atol=0.003)
@@ -54,7 +54,7 @@ def test_a_small_thing_gets_a_window_of_the_training_size(photo, make_box):
 
 def test_an_empty_table_has_a_reason(photo):
     rectified, reason = look(photo(), None, SETTINGS)
-    assert reason == "no object above the table: nothing seen stands more than 10 mm above it"
+    assert reason == "no object above the table: nothing seen stands more than 8 mm above it"
     assert rectified.seen.all()
 
 

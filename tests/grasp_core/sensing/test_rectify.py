@@ -88,6 +88,35 @@ def test_shadows_take_the_background_and_are_not_seen():
     assert rectified.image.valid.all()
 
 
+@pytest.mark.parametrize("tilt, yaw", [(0.0, 0.0), (0.5, 0.0), (0.5, 1.3)])
+def test_points_are_hidden_where_a_ray_from_the_camera_to_them_meets_something(tilt, yaw):
+    turn = np.eye(4)
+    turn[:2, :2] = [[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]
+    scene = box_on_table(0.08, -0.05, (0.12, 0.06, 0.09))
+    image = render(scene, Camera(VGA, turn @ look_down(0.8, tilt=tilt)))
+    rectified = rectify(image)
+    rng = np.random.default_rng(0)
+    points = np.column_stack(
+        [rng.uniform(-0.05, 0.2, 3000), rng.uniform(-0.2, 0.1, 3000), rng.uniform(0.008, 0.12, 3000)]
+    )
+    canvas = rectified.image.camera
+    right, down = ((points - canvas.pose[:3, 3]) @ canvas.pose[:3, :2]).T
+    hidden = rectified.hides(right, down, points[:, 2])
+    u, v, depth = image.camera.project(points).T
+    columns, rows = np.rint(u).astype(int), np.rint(v).astype(int)
+    ahead = [image.depth[np.clip(rows + j, 0, 479), np.clip(columns + i, 0, 639)] for i in (-2, 2) for j in (-2, 2)]
+    sure = np.ptp(ahead, axis=0) < 0.01  # away from the edges of the box
+    truth = image.depth[rows, columns] < depth - 1e-3
+    near = np.abs(image.depth[rows, columns] - depth) < 0.003
+    assert 0.05 < truth.mean() < 0.6
+    assert (hidden == truth)[sure & ~near].mean() > 0.995
+
+
+def test_points_out_of_the_image_are_not_hidden():
+    rectified = rectify(render(box_on_table(0, 0), Camera(VGA, look_down(0.7))))
+    assert not rectified.hides(np.array([-2.0, 0.0]), np.array([0.0, 2.0]), np.array([0.01, 0.01])).any()
+
+
 def test_a_hole_in_a_surface_is_closed_and_its_share_reported():
     image = render(box_on_table(0.0, 0.0, (0.2, 0.2, 0.05), 0.0), Camera(VGA, look_down(0.70)))
     depth = image.depth.copy()

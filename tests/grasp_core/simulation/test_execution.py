@@ -93,14 +93,14 @@ class Told:
 
     def touched(self):
         if not self.closed or self.lift >= self.lost:
-            return set(), set()
-        return tuple({0} if finger in self.fingers else set() for finger in (0, 1))
+            return False, False
+        return tuple(finger in self.fingers for finger in (0, 1))
 
     def touches(self):
         found = []
-        for finger, item in enumerate(self.touched()):
+        for finger, touched in enumerate(self.touched()):
             side = -1.0 if finger == 0 else 1.0
-            for y in (-0.008, 0.008) if item else ():
+            for y in (-0.008, 0.008) if touched else ():
                 for z in (-0.01, 0.01):
                     point = np.array([side * HALF, y, 0.03 + z + self.lift])
                     found.append(Touch(finger, 0, point, np.array([side, 0, 0]), np.array([-side * 5.0, 0, 0.5])))

@@ -108,8 +108,8 @@ def test_same_seed_same_attempt_in_any_order(physics, gripper, shapes):
     assert all(forward[index] == backward[index] for index in range(40))
 
 
-def test_without_the_priming_step_order_matters(physics, gripper, shapes, monkeypatch):
-    """The cure is needed: a reset alone leaves traces that change the last bits of later attempts."""
+def test_with_the_same_detector_order_matters(physics, gripper, shapes, monkeypatch):
+    """The cure is needed: the detector's search tree changes the last bits of later attempts."""
 
     def reset_only(self, poses):
         self.world.reset()

@@ -1,10 +1,12 @@
 import math
 from collections.abc import Callable
 
+import msgspec
 import numpy as np
 import pytest
 
 from grasp_core.camera import DepthImage
+from grasp_core.sensing.noise import ImageNoise
 from grasp_core.training.augment import Augmentation, corrupt, mirror_crops, move_image, moved_by
 from grasp_core.training.scenes import TrainingScene
 
@@ -76,6 +78,17 @@ def test_corruption_is_small_whole_and_repeatable(toys: Toys) -> None:
     difference = image.depth - scene.depth
     assert 0.0005 < np.median(np.abs(difference)) < 0.01
     assert np.mean(np.abs(difference) > 0.02) < 0.02
+
+
+def test_richer_noise_is_drawn_for_its_share_of_images(toys: Toys) -> None:
+    image = clean(toys(0, 1)[0])
+    calm = Augmentation(clean=0.0, holes=0.0, plane_height=0.0, plane_tilt=0.0, noise=ImageNoise(sigma_d=0.0))
+    errors = []
+    for share in (0.0, 0.5, 1.0):
+        given = msgspec.structs.replace(calm, rich=share, rich_noise=ImageNoise(field_sigma=0.01))
+        moved = [corrupt(image, given, np.random.default_rng(seed)).depth - image.depth for seed in range(40)]
+        errors.append(np.mean([np.median(np.abs(change)) > 0.003 for change in moved]))
+    assert errors[0] == 0 and 0.25 < errors[1] < 0.75 and errors[2] == 1
 
 
 def test_no_corruption_when_all_is_off(toys: Toys) -> None:

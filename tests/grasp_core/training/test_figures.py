@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grasp_core.errors import ConfigError
-from grasp_core.training.figures import classifier_figure, maps_figure
+from grasp_core.training.figures import classifier_figure, maps_figure, objects_figure
 from grasp_core.training.scenes import TrainingScene
 
 Toys = Callable[[int, int], list[TrainingScene]]
@@ -20,6 +20,16 @@ def test_classifier_figure_is_a_wide_picture(tmp_path: Path) -> None:
     image = cv2.imread(str(tmp_path / "a.png"))
     assert image.shape[1] > 2 * image.shape[0]
     assert len(np.unique(image)) > 50
+
+
+def test_objects_stand_in_one_figure_and_those_without_a_positive_are_left_out(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    measures = {f"mug_{k:03d}": {"ap": 0.1 * k, "ece": 0.02, "positives": 0.1} for k in range(9)}
+    heights = []
+    for name, chosen in (("all", measures), ("none", {"pen_000": {"ap": float("nan"), "ece": 0.0, "positives": 0.0}})):
+        objects_figure(tmp_path / f"{name}.png", chosen)
+        heights.append(cv2.imread(str(tmp_path / f"{name}.png")).shape[0])
+    assert heights[0] > heights[1] > 100
 
 
 def test_maps_are_laid_over_their_scenes(tmp_path: Path, toys: Toys) -> None:

@@ -53,6 +53,20 @@ def test_learns_logs_and_keeps_the_best(tmp_path: Path) -> None:
     assert len(lines) == len(result.history) + 1
 
 
+def test_tensorboard_shows_every_epoch_once(tmp_path: Path) -> None:
+    accumulator = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
+    broken = Line()
+    broken.stop_at = 5
+    with pytest.raises(KeyboardInterrupt):
+        fit(broken, SCHEDULE, tmp_path, about="a", progress=False)
+    result = fit(Line(), SCHEDULE, tmp_path, about="a", progress=False)
+    log = accumulator.EventAccumulator(str(tmp_path / "tensorboard" / "line"))
+    log.Reload()
+    assert set(log.Tags()["scalars"]) == {"loss", "score", "seconds"}
+    shown = [(event.step, event.value) for event in log.Scalars("score")]
+    assert shown == [(k, pytest.approx(record["score"])) for k, record in enumerate(result.history)]
+
+
 def test_an_interrupted_run_ends_like_an_uninterrupted_one(tmp_path: Path) -> None:
     whole, broken, resumed = Line(), Line(), Line()
     fit(whole, SCHEDULE, tmp_path / "whole", about="a", progress=False)

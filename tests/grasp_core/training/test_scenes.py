@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from grasp_core.camera import Camera, CameraIntrinsics, DepthImage, canonical_ca
 from grasp_core.errors import MismatchError
 from grasp_core.objects.asset import ObjectAsset, Part
 from grasp_core.scene import Scene
-from grasp_core.training.scenes import GraspLabels, Views, more_views, training_scene
+from grasp_core.training.scenes import GraspLabels, Views, more_views, one_view_each, training_scene
 
 
 def bar() -> Scene:
@@ -53,7 +54,7 @@ def test_other_views_are_refused() -> None:
 
 @pytest.mark.parametrize("tilted", [0.0, 1.0])
 def test_further_views_keep_grasps_on_the_object(tilted: float) -> None:
-    views = Views(count=4, reach=0.06, tilted=tilted, tilt=0.35)
+    views = Views(count=4, reach=0.06, tilted=tilted, tilt=0.6)
     made = list(more_views("s", "bar", bar(), labels(), views, np.random.default_rng(0)))
     assert [scene.name for scene in made] == ["s/1", "s/2", "s/3", "s/4"]
     places = np.array([scene.pixels[0] for scene in made])
@@ -83,3 +84,15 @@ def test_further_views_repeat_with_the_seed() -> None:
 def test_settings_refuse_nonsense() -> None:
     with pytest.raises(ValueError, match="share"):
         Views(tilted=2.0)
+    with pytest.raises(ValueError, match="focal is a least and a greatest"):
+        Views(focal=(700.0, 400.0))
+
+
+def test_a_pass_shows_every_scene_in_one_of_its_views(toys) -> None:
+    scenes = [
+        replace(scene, name=name) for scene, name in zip(toys(0, 5), ("a", "a/1", "a/2", "b", "b/1"), strict=True)
+    ]
+    drawn = [one_view_each(scenes, np.random.default_rng(seed)).tolist() for seed in range(30)]
+    assert all(sorted(scenes[k].stored for k in order) == ["a", "b"] for order in drawn)
+    assert {k for order in drawn for k in order} == set(range(5))
+    assert {scenes[order[0]].stored for order in drawn} == {"a", "b"}

@@ -12,8 +12,19 @@ GRIPPER = load_gripper()
 COARSE = ExhaustiveSettings(stride=8, angles=6)
 
 
-def test_every_reachable_grasp_of_the_grid_is_scored(photo, make_box, make_runtime, rng):
-    plan = ExhaustivePlanner(make_runtime(), GRIPPER, COARSE)(photo(make_box(0.03, 0.02)), rng=rng)
+def test_every_grasp_of_the_grid_is_scored_and_out_of_reach_is_worth_nothing(photo, make_box, make_runtime, rng):
+    image = photo(make_box(0.03, 0.02))
+    runtime = make_runtime()
+    plan = ExhaustivePlanner(runtime, GRIPPER, COARSE)(image, rng=rng)
+    assert sum(runtime.scored) == len(plan.scored) == 6 * len(plan.sampled)
+    pruned = ExhaustivePlanner(make_runtime(), GRIPPER, msgspec.structs.replace(COARSE, prune=True))(image, rng=rng)
+    assert len(pruned.scored) < len(plan.scored)
+    assert [c for c in plan.scored if c.score > 0] == list(pruned.scored) and plan.candidates == pruned.candidates
+
+
+def test_the_grid_covers_what_stands_above_the_table(photo, make_box, make_runtime, rng):
+    settings = msgspec.structs.replace(COARSE, prune=True)
+    plan = ExhaustivePlanner(make_runtime(), GRIPPER, settings)(photo(make_box(0.03, 0.02)), rng=rng)
     pixels = plan.sampled
     steps = np.unique(np.diff(np.unique(pixels[:, 0])))
     assert set(steps) == {8.0} and len(np.unique(pixels, axis=0)) == len(pixels)
@@ -49,8 +60,8 @@ def test_empty_plans_say_why(photo, make_box, make_runtime, rng):
     assert blocked.candidates == () and "grasps of the grid" in blocked.reason
 
 
-def test_a_budget_ends_the_search(photo, make_box, make_runtime, rng):
-    slow = make_runtime(delay=0.05)
+def test_a_budget_ends_the_search(photo, make_box, make_runtime, clock, rng):
+    slow = make_runtime(delay=0.05, clock=clock)
     settings = ExhaustiveSettings(stride=3)
     plan = ExhaustivePlanner(slow, GRIPPER, settings)(photo(make_box(0, 0)), budget_ms=60, rng=rng)
     whole = ExhaustivePlanner(make_runtime(), GRIPPER, settings)(photo(make_box(0, 0)), rng=rng)
