@@ -64,7 +64,7 @@ class Workbench:
             self._ledger = Ledger(self.dataset, gripper, physics)
             self._ledger.check()
             self._desk = Desk(self._planning, self._physics, self._ledger, first)
-            self._curation = Curation(self._physics, self.dataset, gripper)
+            self._curation = Curation(self._physics, self.dataset, gripper, sample=dataset is None)
             told = str(self.dataset).replace(str(Path.home()), "~", 1)
             catalogue = Catalogue(tuple(sorted(FAMILIES)), told, is_loopback(host))
             self._shell = Shell([Inspector(self._desk, catalogue, first), self._curation])

@@ -16,12 +16,15 @@ from numpy.typing import NDArray
 
 from grasp_core.camera import DepthImage
 from grasp_core.dataset.agreement import accuracies, agreements
+from grasp_core.dataset.archive import shipped_archives
 from grasp_core.dataset.bulk import label_all, plan_bulk
+from grasp_core.dataset.database import FILE
 from grasp_core.dataset.exchange import event_lines, import_events
 from grasp_core.dataset.labels import LabelConflict
 from grasp_core.dataset.queries import Query
 from grasp_core.dataset.rectangle import add_edited
 from grasp_core.dataset.review import answer, item_at, next_item, review, reviews, skip, start_review
+from grasp_core.dataset.sample import sample_dataset
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.dataset.trials import pooled_quality
 from grasp_core.dataset.undo import redo, undo
@@ -46,10 +49,15 @@ class Desk:
     Args:
         path: folder of the dataset; it is opened when first needed, so that a broken one breaks this view only.
         gripper: for pictures.
+        sample: open the shipped sample dataset, a copy in the user's data folder, where there is no dataset at `path`.
+
+    Attributes:
+        path: of the dataset that is used.
     """
 
-    def __init__(self, path: Path, gripper: Gripper) -> None:
+    def __init__(self, path: Path, gripper: Gripper, *, sample: bool = False) -> None:
         self.path = path
+        self._sample = sample
         self._gripper = gripper
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store: DatasetStore | None = None
@@ -85,6 +93,8 @@ class Desk:
     def store(self) -> DatasetStore:
         """The dataset, open for writing; in this desk's thread only."""
         if self._store is None:
+            if self._sample and not (self.path / FILE).exists() and shipped_archives():
+                self.path = sample_dataset()
             self._store = DatasetStore.open(self.path)
         return self._store
 

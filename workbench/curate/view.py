@@ -58,6 +58,7 @@ class Curation:
         jobs: the worker.
         path: folder of the dataset; it may be missing as yet.
         gripper: of the pictures and the scene.
+        sample: show the shipped sample dataset where there is none at `path`.
     """
 
     name = "curate"
@@ -65,10 +66,10 @@ class Curation:
     actions: type[Action] = a.CurateAction
     readers: Mapping[str, Reader] = READERS
 
-    def __init__(self, jobs: Jobs, path: Path, gripper: Gripper) -> None:
+    def __init__(self, jobs: Jobs, path: Path, gripper: Gripper, *, sample: bool = False) -> None:
         self._jobs = jobs
         self._gripper = gripper
-        self._desk = Desk(path, gripper)
+        self._desk = Desk(path, gripper, sample=sample)
         self._rules = Rules(gripper, _rule_of(path))
 
     def close(self) -> None:

@@ -124,3 +124,19 @@ def test_a_missing_dataset_is_one_failure(tmp_path):
 @pytest.mark.parametrize("effect", [e.TryMore(1, 5, "ann"), e.ScoreMore()])
 def test_what_belongs_to_the_worker_is_left(desk, effect):
     assert not desk.perform(lambda answer: None, effect)
+
+
+def test_the_shipped_sample_is_opened_where_there_is_no_dataset(folder, tmp_path, monkeypatch):
+    from workbench.curate import desk as module
+
+    monkeypatch.setattr(module, "shipped_archives", lambda: {"default": tmp_path / "default.npz.xz"})
+    monkeypatch.setattr(module, "sample_dataset", lambda: folder)
+    for path, sample, opened in ((tmp_path / "none", True, folder), (folder, True, folder)):
+        desk, answers = Desk(path, load_gripper(), sample=sample), []
+        desk.perform(answers.append, e.LoadFacts(""))
+        desk.close()
+        assert desk.path == opened and answers[0].facts.samples == 30
+    desk, answers = Desk(tmp_path / "none", load_gripper()), []
+    desk.perform(answers.append, e.LoadFacts(""))
+    desk.close()
+    assert isinstance(answers[0], a.Failed)
