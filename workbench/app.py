@@ -16,6 +16,7 @@ from grasp_core.gripper import load_gripper
 from grasp_core.objects.parametric import FAMILIES
 from grasp_core.simulation.physics import load_physics
 from workbench import actions as a
+from workbench.curate.view import Curation
 from workbench.inspector.desk import Desk
 from workbench.inspector.orders import Catalogue, SceneRequest
 from workbench.inspector.view import Inspector
@@ -63,9 +64,10 @@ class Workbench:
             self._ledger = Ledger(self.dataset, gripper, physics)
             self._ledger.check()
             self._desk = Desk(self._planning, self._physics, self._ledger, first)
+            self._curation = Curation(self._physics, self.dataset, gripper, sample=dataset is None)
             told = str(self.dataset).replace(str(Path.home()), "~", 1)
             catalogue = Catalogue(tuple(sorted(FAMILIES)), told, is_loopback(host))
-            self._shell = Shell([Inspector(self._desk, catalogue, first)])
+            self._shell = Shell([Inspector(self._desk, catalogue, first), self._curation])
             self._sessions = Sessions(self._shell, self._woken.set)
             self._server, self.url = serve(host, port)
         except BaseException:
@@ -87,6 +89,7 @@ class Workbench:
         self._thread.join(5.0)
         self._server.stop()
         self._ledger.thread.shutdown(wait=True)
+        self._curation.close()
         self._planning.close()
         self._physics.close()
         self._desk.close()

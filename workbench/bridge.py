@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Literal
+from urllib.parse import unquote
 
 import numpy as np
 import viser
@@ -45,6 +46,18 @@ def read_message(value: str, readers: Mapping[str, Reader]) -> Action:
         raise GraspError(f"the page sent '{match[1]}' with a bad value; reload the page") from error
 
 
+def read_value(argument: str) -> tuple[str, str]:
+    """`key=value`, as `Bridge.onvalue` sends it → key and plain value.
+
+    Raises:
+        ValueError: anything else.
+    """
+    key, found, value = argument.partition("=")
+    if not found:
+        raise ValueError(argument)
+    return key, unquote(value, errors="strict").strip()
+
+
 class Section:
     """Widgets and scene nodes that are shown and hidden together.
 
@@ -58,6 +71,11 @@ class Section:
         self._shown = True
         self._handles: list[Any] = []
         self._hidden: list[Any] = []
+
+    @property
+    def shown(self) -> bool:
+        """Whether the section is shown."""
+        return self._shown
 
     def add(self, handle: Any) -> None:
         """Let a widget belong to this section."""
@@ -81,7 +99,6 @@ class Bridge:
 
     Attributes:
         client: viser's handle.
-        hotkeys: (key, name, description) of each command that has one.
     """
 
     def __init__(self, client: viser.ClientHandle, post: Post, readers: Mapping[str, Reader]) -> None:
@@ -89,8 +106,9 @@ class Bridge:
         self._post = post
         self._readers = readers
         self._section: Section | None = None
+        self._within: Section | None = None
         self._limiter = Limiter(client)
-        self.hotkeys: list[tuple[str, str, str]] = []
+        self._keys: list[tuple[str, str, str, Section | None]] = []
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
         self._inbox.on_update(self._guard(lambda _: self._received(self._inbox.value)))
@@ -108,6 +126,11 @@ class Bridge:
             f'<style>div:has(> div > div > p > label[for="{uuid}"]){{display:none}}</style>'
             f'<img src="data:," onerror="{text(send)}" hidden>'
         )
+
+    @property
+    def hotkeys(self) -> list[tuple[str, str, str]]:
+        """(key, name, description) of each command that has a key and works now."""
+        return [(key, name, told) for key, name, told, within in self._keys if within is None or within.shown]
 
     def _received(self, value: str) -> None:
         if value:
@@ -130,11 +153,11 @@ class Bridge:
     @contextmanager
     def section(self, root: str) -> Iterator[Section]:
         """What is made inside belongs to one section; its scene nodes hang from `root`."""
-        self._section = Section(self.client, root)
+        self._section = self._within = Section(self.client, root)
         try:
             yield self._section
         finally:
-            self._section = None
+            self._section = self._within = None
 
     def node(self, name: str) -> str:
         """The full name of a scene node of this section."""
@@ -174,6 +197,12 @@ class Bridge:
     def onslide(self, verb: str, live: str = "") -> str:
         """Attributes for a range input that sends `verb:value` when let go; `live` is JavaScript for each movement."""
         return f'oninput="{live}" onchange="gwSend(\'{verb}:\'+this.value)"'
+
+    def onvalue(self, verb: str, key: str = "") -> str:
+        """An `onchange` attribute for a field or choice that sends `verb:key=value`, to be read with `read_value`."""
+        if not re.fullmatch(r"[a-z]+", verb) or not re.fullmatch(r"[a-z]*", key):
+            raise ValueError(f"no page message: {verb}:{key}")
+        return f"onchange=\"gwSend('{verb}:{key}='+encodeURIComponent(this.value).slice(0,3900))\""
 
     def onchoice(self, verb: str) -> str:
         """An attribute for a select that sends `verb:value` when another option is chosen."""
@@ -304,13 +333,20 @@ class Bridge:
         return handle
 
     def command(self, label: str, hotkey: str | None, action: Callable[[], Action], description: str) -> None:
-        """An entry of the command palette (Ctrl+K), with a hotkey."""
+        """An entry of the command palette (Ctrl+K), with a hotkey; that of a section works while it is shown only."""
         key: Any = hotkey
+        within = self._within
         if hotkey is not None:
-            assert hotkey not in [taken for taken, _, _ in self.hotkeys], f"two commands have the key {hotkey}"
-            self.hotkeys.append((hotkey, label, description))
+            taken = [key for key, _, _, section in self._keys if section in (None, within) or within is None]
+            assert hotkey not in taken, f"two commands have the key {hotkey}"
+            self._keys.append((hotkey, label, description, within))
         command = self.client.gui.add_command(label, hotkey=key, description=description)
-        command.on_trigger(self._guard(lambda _: self._post(action())))
+
+        def triggered(_: Any) -> None:
+            if within is None or within.shown:
+                self._post(action())
+
+        command.on_trigger(self._guard(triggered))
 
     def clickable(self, handle: Any, count: Callable[[], int], action: Callable[[int], Action]) -> None:
         """Clicks on one instance of a batched mesh become actions; impossible instances are refused.

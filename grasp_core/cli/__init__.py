@@ -34,6 +34,9 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "dataset restore": ("dataset", "Restore", "rebuild a dataset from such a file, without physics"),
     "dataset export": ("dataset", "Export", "write label events as JSON Lines"),
     "dataset import": ("dataset", "Import", "add label events from JSON Lines"),
+    "dataset score": ("curate", "Score", "score every grasp with the networks, for lists"),
+    "dataset relabel": ("curate", "Relabel", "one decision on every sample of a filtered list, counted first"),
+    "dataset people": ("curate", "People", "who labelled, their agreement (Cohen's kappa) and their accuracy"),
     "train regression": ("train", "Regression", "train the Regression Network on a dataset"),
     "train refined": ("train", "Refined", "train the Refined Network on a dataset"),
     "train all": ("train", "All", "train both networks and pack their weights"),
@@ -44,6 +47,8 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "crosscheck": ("crosscheck", "CrosscheckCommand", "compare the verdicts of physics engines"),
     "benchmark success": ("benchmark_success", "BenchmarkSuccess", "success of planners on unseen objects, in DART"),
     "benchmark trials": ("benchmark_trials", "BenchmarkTrials", "how fast trials are, beside MuJoCo"),
+    "benchmark curation": ("benchmark_curation", "BenchmarkCuration", "pages, filters and labels of a large dataset"),
+    "benchmark mending": ("benchmark_mending", "BenchmarkMending", "spoil labels, find and mend them, train again"),
     "benchmark latency": ("benchmark_latency", "BenchmarkLatency", "how long a plan takes, by stage and backend"),
 }
 """Words of a command → (module in this package, class, what it does)."""

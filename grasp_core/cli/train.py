@@ -16,6 +16,8 @@ class _Common:
     """Folder of the dataset."""
     out: Path
     """Run folder: checkpoints, log and the trained network; an interrupted run goes on where it stopped."""
+    labels: Literal["curated", "dart"] = "curated"
+    """Curated: people's decisions before DART's attempts; dart: the attempts alone."""
     epochs: int | None = None
     """Passes over the training scenes, instead of the settings' number."""
     seed: int | None = None
@@ -207,7 +209,7 @@ def train_one(network: Literal["regression", "refined"], options: _Common, setti
     chosen = msgspec.structs.replace(chosen, schedule=msgspec.structs.replace(chosen.schedule, **changed))
     seed = chosen.schedule.seed
     progress = sys.stderr.isatty()
-    corpus = load_corpus(options.dataset, chosen.views, seed=seed, progress=progress)
+    corpus = load_corpus(options.dataset, chosen.views, labels=options.labels, seed=seed, progress=progress)
     about = f"{config.digest(chosen)} {corpus.digest}"
     opening = corpus.gripper.opening
     part = Part(

@@ -237,6 +237,12 @@ def executed_pose(grasp: Grasp, row: AttemptRow, noise: GraspNoise) -> tuple[flo
     return (*drawn.position, drawn.angle)
 
 
+def shipped_archives() -> dict[str, Path]:
+    """Name → file of the archives that come with the package."""
+    folder = Path(str(resources.files("grasp_core"))) / "dataset" / "archives"
+    return {path.name.removesuffix(".npz.xz"): path for path in sorted(folder.glob("*.npz.xz"))}
+
+
 def locate_archive(name: str | Path) -> Path:
     """The file of an archive: a shipped name, or a path that ends in .xz.
 
@@ -248,8 +254,7 @@ def locate_archive(name: str | Path) -> Path:
         if not path.is_file():
             raise StoreError(f"{path}: no such archive")
         return path
-    folder = Path(str(resources.files("grasp_core"))) / "dataset" / "archives"
-    shipped = {path.name.removesuffix(".npz.xz"): path for path in sorted(folder.glob("*.npz.xz"))}
+    shipped = shipped_archives()
     if str(name) not in shipped:
         raise StoreError(
             f"no shipped archive is called '{name}'; choose one of: {', '.join(shipped) or 'none'}, or give a path that"

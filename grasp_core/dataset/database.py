@@ -98,8 +98,8 @@ class Database:
                 )
             if version < newest and self.readonly:
                 raise StoreError(
-                    f"{self.file}: has the older format {version}; open it once with write permission, which brings it"
-                    f" to format {newest} and keeps a backup"
+                    f"{self.file}: has the older format {version}; `grasp-core dataset verify --mend` brings it to"
+                    f" format {newest} and keeps a backup"
                 )
         if not self.readonly:
             db.execute("PRAGMA journal_mode = WAL")

@@ -201,5 +201,37 @@ CREATE INDEX samples_flagged ON samples (grasp) WHERE flagged = 1;
 CREATE INDEX samples_last_event ON samples (last_event, grasp) WHERE last_event IS NOT NULL;
 """
 
-MIGRATIONS: tuple[str, ...] = (_VERSION_1,)
+_VERSION_2 = """
+-- disagreements that lists sort by; computed, so that they never differ from what they follow from
+ALTER TABLE samples ADD COLUMN mistake REAL GENERATED ALWAYS AS (abs(score - label)) VIRTUAL;
+ALTER TABLE samples ADD COLUMN networks REAL GENERATED ALWAYS AS (abs(heat - score)) VIRTUAL;
+ALTER TABLE samples ADD COLUMN dissent REAL GENERATED ALWAYS AS
+    (CASE WHEN source = 'human' THEN abs(label - quality) END) VIRTUAL;
+ALTER TABLE samples ADD COLUMN spread REAL GENERATED ALWAYS AS (quality * (1 - quality)) VIRTUAL;
+DROP INDEX samples_spread;
+CREATE INDEX samples_spread ON samples (spread, grasp);
+CREATE INDEX samples_mistake ON samples (mistake, grasp) WHERE mistake IS NOT NULL;
+CREATE INDEX samples_networks ON samples (networks, grasp) WHERE networks IS NOT NULL;
+CREATE INDEX samples_dissent ON samples (dissent, grasp) WHERE dissent IS NOT NULL;
+
+CREATE TABLE reviews (                      -- queues of samples that one person looks through
+    id INTEGER PRIMARY KEY,
+    person INTEGER NOT NULL REFERENCES people (id),
+    rule TEXT NOT NULL,                     -- JSON, see review.Rule
+    made INTEGER NOT NULL                   -- Unix time, ms
+) STRICT;
+CREATE INDEX reviews_person ON reviews (person, id);
+
+CREATE TABLE review_items (
+    review INTEGER NOT NULL REFERENCES reviews (id),
+    place INTEGER NOT NULL,
+    grasp INTEGER NOT NULL REFERENCES grasps (id),
+    truth REAL,                             -- of hidden samples of known outcome
+    event INTEGER REFERENCES label_events (id),     -- the answer
+    skipped INTEGER NOT NULL DEFAULT 0 CHECK (skipped IN (0, 1)),
+    PRIMARY KEY (review, place)
+) STRICT, WITHOUT ROWID;
+"""
+
+MIGRATIONS: tuple[str, ...] = (_VERSION_1, _VERSION_2)
 """Script i brings a dataset from version i to i + 1; scripts that were released never change."""

@@ -16,7 +16,7 @@ import platformdirs
 
 from grasp_core import config
 from grasp_core.dataset.database import FILE
-from grasp_core.dataset.queries import Lists
+from grasp_core.dataset.lists import Lists
 from grasp_core.dataset.rows import Meta
 from grasp_core.errors import MismatchError, StoreError
 from grasp_core.gripper import Gripper

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from tqdm import tqdm
@@ -15,6 +16,9 @@ from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import StoreError
 from grasp_core.gripper import Gripper
 from grasp_core.training.scenes import GraspLabels, TrainingScene, Views, more_views, training_scene
+
+Labels = Literal["curated", "dart"]
+"""`curated`: people's decisions before attempts, the design's rule; `dart`: attempts alone."""
 
 
 @dataclass(frozen=True)
@@ -40,18 +44,23 @@ class Corpus:
     digest: str
 
 
-def grasp_labels(table: GraspTable) -> GraspLabels:
+def grasp_labels(table: GraspTable, labels: Labels = "curated") -> GraspLabels:
     """The stored grasps of a scene as labels; those that training leaves out keep NaN."""
-    colliding = (table.attempts > 0) & (table.collisions == table.attempts) & ~table.human
-    return GraspLabels(table.position, table.angle, table.label, colliding)
+    collided = (table.attempts > 0) & (table.collisions == table.attempts)
+    if labels == "dart":
+        return GraspLabels(table.position, table.angle, table.quality, collided)
+    return GraspLabels(table.position, table.angle, table.label, collided & ~table.human)
 
 
-def load_corpus(path: str | Path, views: Views, *, seed: int = 0, progress: bool = True) -> Corpus:
+def load_corpus(
+    path: str | Path, views: Views, *, labels: Labels = "curated", seed: int = 0, progress: bool = True
+) -> Corpus:
     """Read a dataset and render further views of its scenes.
 
     Args:
         path: of the dataset.
         views: further views of each scene, in every split: planning meets objects anywhere, under any camera.
+        labels: which ones.
         seed: of those views.
         progress: show a progress bar.
 
@@ -64,11 +73,11 @@ def load_corpus(path: str | Path, views: Views, *, seed: int = 0, progress: bool
         meta = store.meta
         rows = store.scenes()
         for index, row in enumerate(tqdm(rows, desc="scenes", unit="scene", disable=not progress)):
-            labels = grasp_labels(store.grasps(row.id))
-            found[row.split].append(training_scene(row.name, row.object, store.depth(row.id), labels))
+            grasps = grasp_labels(store.grasps(row.id), labels)
+            found[row.split].append(training_scene(row.name, row.object, store.depth(row.id), grasps))
             if views.count:
                 rng = np.random.default_rng(np.random.SeedSequence([seed, index]))
-                found[row.split].extend(more_views(row.name, row.object, store.scene(row.id), labels, views, rng))
+                found[row.split].extend(more_views(row.name, row.object, store.scene(row.id), grasps, views, rng))
         gripper = store.gripper()
     for split in ("train", "validation"):
         if not found[split]:
@@ -76,6 +85,7 @@ def load_corpus(path: str | Path, views: Views, *, seed: int = 0, progress: bool
     recipe: dict[str, str | int | float] = {
         "dataset": meta.name,
         "recipe": meta.recipe_digest,
+        "labels": labels,
         "objects": len({scene.object for scene in found["train"]}),
         "scenes": len({scene.stored for scene in found["train"]}),
         "images": len(found["train"]),

@@ -2,10 +2,10 @@ import msgspec
 import pytest
 
 from grasp_core.evaluation.records import CandidateRecord, Log, PlanRecord, Run, SceneRecord
-from grasp_core.evaluation.report import wilson
 from grasp_core.evaluation.scenes import SceneSpec
 from grasp_core.evaluation.summary import summarise, text
 from grasp_core.grasp import Grasp
+from grasp_core.rates import wilson
 
 POSE = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1.0, 0], [0, 0, 0, 1.0]]
 GRASP = Grasp((0, 0, 0.02), 0, 0.1)

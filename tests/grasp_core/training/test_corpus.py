@@ -74,3 +74,17 @@ def test_only_attempts_that_all_collided_count_as_colliding() -> None:
 def test_empty_splits_are_refused(labelled_dataset: Maker) -> None:
     with pytest.raises(StoreError, match="validation split"):
         load_corpus(labelled_dataset(train=1, validation=0), Views(), progress=False)
+
+
+def test_labels_are_curated_or_attempts_alone(labelled_dataset: Maker) -> None:
+    folder = labelled_dataset(train=1)
+    with DatasetStore.open(folder) as store:
+        before = store.grasp(1).label
+        assert before in (0.0, 1.0)
+        store.add_label(1, "ann", 1 - before)
+        store.add_label(2, "ann", "exclude")
+    curated = load_corpus(folder, Views(), progress=False)
+    dart = load_corpus(folder, Views(), labels="dart", progress=False)
+    assert len(dart.train[0].labels) == len(curated.train[0].labels) + 1 == 60
+    assert (curated.train[0].labels[0], dart.train[0].labels[0]) == (1 - before, before)
+    assert (curated.recipe["labels"], dart.recipe["labels"]) == ("curated", "dart")

@@ -1,0 +1,28 @@
+import re
+
+import pytest
+
+from workbench.curate.panels.words import change, event_words, moment
+
+
+@pytest.mark.parametrize(
+    ("decision", "value", "words"),
+    [
+        (0.25, None, "ann set 0.25"),
+        ("unsure", None, "ann is unsure"),
+        ("exclude", None, "ann excluded it"),
+        ("flag", None, "ann flagged it"),
+        ("note", None, "ann wrote a note"),
+        ("opinion", 1.0, "ann gave the opinion 1"),
+        ("opinion", None, "ann gave the opinion unsure"),
+    ],
+)
+def test_events_in_words(store, decision, value, words):
+    assert event_words(store.add_label(1, "ann", decision, value=value)) == words
+
+
+def test_changes_and_moments(store):
+    event = store.add_label(1, "ann", "exclude")
+    assert change(event) == "1 → left out"
+    assert change(store.add_label(1, "ann", "flag")) == ""
+    assert re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d", moment(event))

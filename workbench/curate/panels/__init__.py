@@ -1,0 +1,1 @@
+"""What the curation shows, panel by panel."""
