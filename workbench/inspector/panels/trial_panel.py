@@ -118,10 +118,13 @@ def verdict_of_physics(state: State, bridge: Bridge) -> str:
             "</div>"
         )
     shown = playback.attempt
+    words = ""
+    if state.pinned is None or state.pinned.attempt is shown:  # else they stand in the comparison below
+        words = f'<div class="gw-words" data-words="1">{text(sentence(shown.words))}<br>{evidence(shown)}</div>'
     return (
         f'<span class="gw-badge" data-outcome="{text(shown.outcome)}" style="background:{_colour(shown.outcome)}">'
         f"{text(shown.outcome)}</span> <small>attempt {shown.number + 1} of candidate {state.choice.index + 1}</small>"
-        f'<div class="gw-words" data-words="1">{text(sentence(shown.words))}<br>{evidence(shown)}</div>'
+        f"{words}"
         f'<div class="gw-tries"><small title="with noise: {noise}">× {setup.attempts}</small>{chips(state, bridge)}'
         f"<span>{against(state)}</span></div>"
     )

@@ -61,11 +61,13 @@ def test_chips_are_one_an_attempt(tried, bridge):
     assert "gw-spin" in against(replace(tried, trials={}))
 
 
-def test_two_attempts_side_by_side(tried, attempt):
+def test_two_attempts_side_by_side(tried, attempt, bridge):
     assert compared(tried) == ""
     pinned = replace(tried, pinned=Pinned(Choice(0, 2), 0.3, attempt(4, "MISSED")))
     page = compared(pinned)
     assert "A (pale): candidate 3, attempt 5, score 0.30" in page and "B: candidate 1, attempt 1" in page
+    assert "data-words" in verdict_of_physics(tried, bridge)
+    assert "data-words" not in verdict_of_physics(pinned, bridge), "the words stand in the comparison"
     alone = replace(pinned, playback=None)
     assert "Click another" in compared(alone)
 
