@@ -44,7 +44,7 @@ def test_own_images_are_planned_on_stepped_through_and_refused_in_words(page, im
     page.until("document.querySelectorAll('.gw-items .gw-item').length >= 4")
     page.settled()
     for _ in range(2):
-        page.button("next image (I)").click()
+        page.button("next ›").click()
         raw.wait_for_timeout(400)
         page.settled()
     page.until("document.querySelector('.gw-facts .gw-error')?.innerText.includes('set the unit to mm')")
@@ -84,4 +84,4 @@ def test_too_large_and_wrong_files_are_refused(page, tmp_path):
     upload(page, "Upload a camera file", large)
     page.raw.get_by_text("It is larger than 0.1 MB").first.wait_for()
     upload(page, "Upload a depth image", wrong)
-    page.until("document.querySelector('.gw-facts .gw-error')?.innerText.includes('wrong.npy')")
+    page.until("document.querySelector('.gw-facts .gw-error')?.innerText.includes('is not a NumPy array')")
