@@ -65,7 +65,7 @@ def workbench(chromium, tmp_path_factory):
 
 
 PLAN = "svg.gw-depth g[data-candidate]"
-WAIT = 180_000
+WAIT = 90_000
 """Milliseconds that anything may take on a busy machine without a GPU."""
 
 

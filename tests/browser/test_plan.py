@@ -42,7 +42,7 @@ def test_the_first_plan_shows_everything(page):
 def test_a_free_pixel_is_probed_and_scored_over_all_angles(page):
     raw = page.raw
     box = raw.locator("svg.gw-depth").bounding_box()
-    raw.mouse.click(box["x"] + 0.12 * box["width"], box["y"] + 0.9 * box["height"])
+    raw.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 0.9 * box["height"])
     raw.wait_for_selector("svg.gw-polar")
     assert raw.locator("svg.gw-polar .gw-dot").count() == 72
     said = raw.locator(".gw-asked").inner_text()
