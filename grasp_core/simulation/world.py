@@ -68,6 +68,7 @@ class World:
             self.objects.append(ObjectBody(asset, index, physics, support_points(asset, most, pose), parts=parts))
         for item in self.objects:
             self.world.addSkeleton(item.skeleton)
+        self._pushes: dict[int, NDArray[np.float64]] = {}
         self.gripper = None
         if gripper is not None:
             self.gripper = GripperModel(gripper, physics)
@@ -111,10 +112,11 @@ class World:
         """Start afresh with the objects at rest at these poses (4×4), whatever happened before.
 
         The detector's search tree remembers where bodies have been: the order of contacts follows from its shape, and
-        the solver's last bits, rarely even a verdict, from that order. A new detector starts with a tree that depends on
-        nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
+        the solver's last bits, rarely even a verdict, from that order. A new detector starts with a tree that depends
+        on nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
         """
         self.world.reset()
+        self._pushes.clear()
         if self.gripper is not None:
             self.gripper.park()
         for item, pose in zip(self.objects, poses, strict=True):
@@ -138,7 +140,13 @@ class World:
         for _ in range(steps):
             speed += gain
             command(speed)
+            for index, force in self._pushes.items():  # DART forgets them after a step
+                self.objects[index].body.addExtForce(force)
             step()
+
+    def push(self, index: int, force: NDArray[np.float64]) -> None:
+        """Push an object with a force (3,) at its centre of mass, world, N, from now on; a rewind ends it."""
+        self._pushes[index] = np.asarray(force, float)
 
     def grip(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
         """Put the gripper at a pose (4×4, z up), each finger at its travel from fully open, metres, and closing."""
