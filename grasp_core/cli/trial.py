@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -38,6 +38,11 @@ class TrialCommand:
         attempts: how many.
         seed: of the noise, and of a drawn scale.
         noiseless: execute the grasp exactly as given.
+        shake: after each successful lift, shake the object along this axis of the gripper, both ways and harder and
+            harder until it slips: x is the closing axis, y runs across the fingers' faces, z up. The evidence then says
+            what was withstood, in m/s² and N.
+        shake_step: acceleration by which the shaking grows, m/s².
+        shake_most: acceleration at which it ends, m/s².
         gripper: shipped name, or a .yaml file.
         physics: shipped name, or a .yaml file.
         record: write a recording of the first attempt here (.npz).
@@ -53,6 +58,9 @@ class TrialCommand:
     attempts: int = 5
     seed: int = 0
     noiseless: bool = False
+    shake: Literal["x", "y", "z"] | None = None
+    shake_step: float = 2.0
+    shake_most: float = 60.0
     gripper: str = "paper"
     physics: str = "default"
     record: Path | None = None
@@ -65,7 +73,7 @@ class TrialCommand:
         from grasp_core.gripper import load_gripper
         from grasp_core.scene import Scene
         from grasp_core.simulation.physics import load_physics
-        from grasp_core.simulation.trial import GraspNoise, GraspTrial
+        from grasp_core.simulation.trial import GraspNoise, GraspTrial, Shake
 
         if self.seed < 0:
             raise GraspError(f"--seed must be at least 0, not {self.seed}")
@@ -74,7 +82,11 @@ class TrialCommand:
         asset = self._asset()
         pose = self._pose(asset, physics)
         noise = None if self.noiseless else GraspNoise()
-        runner = GraspTrial(Scene.single(asset, pose), gripper, physics, noise, whole=True)
+        try:
+            shake = Shake(self.shake, self.shake_step, self.shake_most) if self.shake else None
+        except ValueError as error:
+            raise GraspError(f"--shake-step, --shake-most: {error}") from error
+        runner = GraspTrial(Scene.single(asset, pose), gripper, physics, noise, whole=True, shake=shake)
         trial = runner.trial(grasp, self.attempts, self.seed)
         if self.record is not None:
             recording = runner.attempt(grasp, trial.attempts[0].seed, record=True).recording

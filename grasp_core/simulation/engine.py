@@ -65,6 +65,10 @@ class Engine(Protocol):
         """Close with full force for some steps while the base rises: at `speed` before the first, then accelerating."""
         ...
 
+    def push(self, index: int, force: NDArray[np.float64]) -> None:
+        """Push an object with a force (3,) at its centre of mass, world, N, from now on; a rewind ends it."""
+        ...
+
     @property
     def time(self) -> float:
         """Seconds since the last rewind."""

@@ -54,6 +54,25 @@ class Comfort(msgspec.Struct, frozen=True):
     rotation: float
 
 
+class Withstood(msgspec.Struct, frozen=True):
+    """What a grasp withstood when the object was shaken after the lift, and where that ended.
+
+    Attributes:
+        axis: of the gripper along which it was shaken: "x" (closing axis), "y" or "z" (up).
+        direction: unit vector of that axis, world.
+        acceleration: the largest that was withstood both ways, m/s²; 0 if none was.
+        force: that on the object, N.
+        slipped: acceleration at which the object slipped, negative against `direction`; 0 if it was lost before it was
+            shaken, None if it withstood the most that was asked for.
+    """
+
+    axis: str
+    direction: tuple[float, float, float]
+    acceleration: float
+    force: float
+    slipped: float | None
+
+
 class Evidence(msgspec.Struct, frozen=True, kw_only=True):
     """Why an attempt ended as it did.
 
@@ -68,6 +87,7 @@ class Evidence(msgspec.Struct, frozen=True, kw_only=True):
         left: how the left finger held the object when it last held, or None.
         right: likewise.
         clearance: lowest point of the object above the table at the end, metres, or None.
+        withstood: how far the held object was shaken, if it was.
     """
 
     words: str
@@ -80,6 +100,7 @@ class Evidence(msgspec.Struct, frozen=True, kw_only=True):
     left: FingerContact | None = None
     right: FingerContact | None = None
     clearance: float | None = None
+    withstood: Withstood | None = None
 
 
 def triple(values: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -103,6 +124,19 @@ def millimetres(length: float) -> str:
     if abs(mm) >= 30:
         return f"{mm / 10:.1f} cm"
     return f"{mm:.0f} mm" if abs(mm) >= 3 else f"{mm:.1f} mm"
+
+
+def withstood_words(withstood: Withstood) -> str:
+    """What was withstood, e.g. "withstood 14 m/s² (1.0 N) along z both ways, slipped at -16 m/s²"."""
+    words = (
+        f"withstood {withstood.acceleration:g} m/s² ({withstood.force:.2g} N) along {withstood.axis} both ways"
+        if withstood.acceleration
+        else f"withstood no shaking along {withstood.axis}"
+    )
+    if withstood.slipped is None:
+        return f"{words}, the most that was asked for"
+    end = f", slipped at {withstood.slipped:g} m/s²" if withstood.slipped else ": lost as the lift ended"
+    return words + end
 
 
 def hold_words(left: FingerContact | None, right: FingerContact | None) -> str:

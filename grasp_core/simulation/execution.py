@@ -21,8 +21,10 @@ from grasp_core.simulation.evidence import (
     hold_words,
     millimetres,
     triple,
+    withstood_words,
 )
 from grasp_core.simulation.recorder import Recorder
+from grasp_core.simulation.shaking import Shake, shake_held
 
 _GLANCE = 0.01
 _LOOK = 0.02
@@ -87,7 +89,7 @@ class Execution:
         self._hulls = [np.asarray(item.asset.hull.vertices, float) for item in engine.objects]
 
     def run(
-        self, grasp: Grasp, advance: float, *, whole: bool, recorder: Recorder | None
+        self, grasp: Grasp, advance: float, *, whole: bool, recorder: Recorder | None, shake: Shake | None = None
     ) -> tuple[Outcome, Evidence, Comfort | None]:
         """Execute one grasp as it is.
 
@@ -96,6 +98,8 @@ class Execution:
             advance: free way that both fingers have behind them when the simulation starts, metres.
             whole: lift the full height even when the verdict is certain earlier.
             recorder: takes frames, or None.
+            shake: how an object that was lifted, then to the full height, is shaken; the outcome stays that of the
+                lift, evidence says what was withstood.
 
         Returns:
             Outcome, evidence, and comfort if the object was lifted. UNSTABLE if the solver diverged.
@@ -117,9 +121,17 @@ class Execution:
             if sides[0] or sides[1]:
                 words += f"; only the {'left' if sides[0] else 'right'} finger touched the object"
             return Outcome.MISSED, Evidence(words=words, travel=state.travel), None
-        if not self._lift(state, whole, recorder):
+        if not self._lift(state, whole or shake is not None, recorder):
             return unstable
-        return self._verdict(state, grasp)
+        outcome, evidence, comfort = self._verdict(state, grasp)
+        if shake is None or outcome is not Outcome.SUCCESS or evidence.object is None:
+            return outcome, evidence, comfort
+        film = (lambda: recorder.frame(engine, "shake")) if recorder else (lambda: None)
+        withstood = shake_held(engine, grasp, evidence.object, shake, film)
+        if withstood is None:
+            return unstable
+        words = f"{evidence.words}; {withstood_words(withstood)}"
+        return outcome, msgspec.structs.replace(evidence, words=words, withstood=withstood), comfort
 
     def _close(self, state: _State, recorder: Recorder | None) -> bool:
         """Close until both fingers stand still; False if the solver diverged."""
@@ -267,7 +279,8 @@ class Execution:
             words = "slipped as soon as the lift began"
         else:
             words = f"slipped after {millimetres(state.held_lift)} of the lift"
-        place = triple(np.mean([touch.point for touch in state.touches], axis=0))
+        place = np.mean([touch.point for touch in state.touches], axis=0)
+        place[2] += state.held_lift - state.touches_lift  # contacts that were not read again rose with the gripper
         time = round(state.held_time, 4)
-        evidence = msgspec.structs.replace(known, words=words + holds, place=place, time=time)
+        evidence = msgspec.structs.replace(known, words=words + holds, place=triple(place), time=time)
         return Outcome.SLIPPED, evidence, None

@@ -201,6 +201,10 @@ class MujocoEngine:
             self._data.ctrl[0] = speed + acceleration * number * self.physics.time_step
             self._mujoco.mj_step(self.model, self._data)
 
+    def push(self, index: int, force: NDArray[np.float64]) -> None:
+        """Push an object with a force (3,) at its centre of mass, world, N, from now on; a rewind ends it."""
+        self._data.xfrc_applied[self.model.body(f"object_{index}").id, :3] = force
+
     @property
     def time(self) -> float:
         """Seconds since the last rewind."""

@@ -20,6 +20,7 @@ from grasp_core.simulation.physics import Physics
 from grasp_core.simulation.precheck import BODIES, Precheck, Prechecked, Verdict
 from grasp_core.simulation.recorder import Recorder
 from grasp_core.simulation.recording import Recording
+from grasp_core.simulation.shaking import Shake
 from grasp_core.simulation.world import World
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "GraspNoise",
     "GraspTrial",
     "Outcome",
+    "Shake",
     "Trial",
     "child_seed",
 ]
@@ -130,6 +132,7 @@ class GraspTrial:
         noise: GraspNoise | None = GraspNoise(),  # noqa: B008 (frozen)
         *,
         whole: bool = False,
+        shake: Shake | None = None,
     ) -> None:
         """Load the scene.
 
@@ -140,6 +143,7 @@ class GraspTrial:
             noise: of the execution, None for none.
             whole: always lift the full height; else a lift may end as soon as the verdict is certain. Recorded attempts
                 are always whole.
+            shake: how objects that were lifted are shaken, None for not at all; their lifts are then whole.
 
         Raises:
             GraspError: the scene is empty.
@@ -151,6 +155,7 @@ class GraspTrial:
         self.physics = physics
         self.noise = noise
         self._whole = whole
+        self._shake = shake
         self._poses = [np.asarray(placed.world_from_object, float) for placed in scene.objects]
         self.precheck = Precheck(
             [
@@ -280,7 +285,7 @@ class GraspTrial:
                 recorder.approach(0.0)
                 recorder.free_closing(advance)
             outcome, evidence, comfort = self._executes().run(
-                executed, advance, whole=record or self._whole, recorder=recorder
+                executed, advance, whole=record or self._whole, recorder=recorder, shake=self._shake
             )
         recording = recorder.finish(outcome, evidence.words) if recorder else None
         return Attempt(outcome, seed, executed, bool(dynamic), evidence, comfort, redraws, recording)

@@ -68,6 +68,7 @@ class World:
             self.objects.append(ObjectBody(asset, index, physics, support_points(asset, most, pose), parts=parts))
         for item in self.objects:
             self.world.addSkeleton(item.skeleton)
+        self._pushes: dict[int, NDArray[np.float64]] = {}
         self.gripper = None
         if gripper is not None:
             self.gripper = GripperModel(gripper, physics)
@@ -115,6 +116,7 @@ class World:
         on nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
         """
         self.world.reset()
+        self._pushes.clear()
         if self.gripper is not None:
             self.gripper.park()
         for item, pose in zip(self.objects, poses, strict=True):
@@ -138,7 +140,13 @@ class World:
         for _ in range(steps):
             speed += gain
             command(speed)
+            for index, force in self._pushes.items():  # DART forgets them after a step
+                self.objects[index].body.addExtForce(force)
             step()
+
+    def push(self, index: int, force: NDArray[np.float64]) -> None:
+        """Push an object with a force (3,) at its centre of mass, world, N, from now on; a rewind ends it."""
+        self._pushes[index] = np.asarray(force, float)
 
     def grip(self, world_from_gripper: NDArray[np.float64], travel: tuple[float, float]) -> None:
         """Put the gripper at a pose (4×4, z up), each finger at its travel from fully open, metres, and closing."""

@@ -45,6 +45,18 @@ def test_json_holds_outcomes_and_evidence(mesh, pose, capsys):
     assert capsys.readouterr().out == out
 
 
+def test_shaking_says_what_was_withstood(mesh, pose, capsys):
+    rest = ("--position", 0, 0, 0.02, "--pose", pose, "--attempts", 1, "--noiseless", "--shake", "z")
+    assert run(mesh, *rest, "--shake-step", 10, "--shake-most", 20, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    withstood = found["attempts"][0]["evidence"]["withstood"]
+    assert withstood["axis"] == "z" and withstood["direction"] == [0, 0, 1]
+    assert withstood["acceleration"] == 20 and withstood["slipped"] is None
+    assert withstood["force"] == pytest.approx(20 * found["mass"])
+    assert run(mesh, *rest, "--shake-step", 10, "--shake-most", 5) == 2
+    assert "--shake-most" in capsys.readouterr().err
+
+
 def test_words_and_recording(mesh, pose, capsys, tmp_path):
     file = tmp_path / "film.npz"
     rest = ("--position", 0.5, 0, 0.02, "--pose", pose, "--attempts", 1, "--noiseless", "--record", file)

@@ -88,6 +88,27 @@ def test_fingers_close_on_the_box_and_lift_it(engine):
     assert made.rising == pytest.approx(0.1, rel=0.02)
 
 
+def test_a_push_acts_until_it_is_changed_or_rewound(engine):
+    """On the table 5 N upwards outweigh 0.072 kg: a = F / m - g, in every step until the push ends."""
+    made, pose = engine
+    mass, step = made.physics.mass(made.objects[0].asset), made.physics.time_step
+    aside = GRASP.world_from_gripper
+    aside[2, 3] = 1.0
+    made.grip(aside, (0.0, 0.0))
+    made.push(0, np.array([0.0, 0.0, 5.0]))
+    made.advance(20)
+    up = (5.0 / mass - made.physics.gravity) * 20 * step
+    assert made.objects[0].velocity[2] == pytest.approx(up, rel=0.02)
+    assert np.allclose(made.objects[0].velocity[3:], 0, atol=1e-6)
+    made.push(0, np.zeros(3))
+    made.advance(10)
+    assert made.objects[0].velocity[2] == pytest.approx(up - made.physics.gravity * 10 * step, rel=0.02)
+    made.push(0, np.array([0.0, 0.0, 5.0]))
+    made.rewind([pose])
+    made.advance(10)
+    assert np.allclose(made.objects[0].pose, pose, atol=5e-4)
+
+
 def test_rewinding_forgets(engine):
     made, pose = engine
     made.grip(GRASP.world_from_gripper, (0.028, 0.028))

@@ -186,6 +186,29 @@ def test_an_object_long_gone_is_not_lifted_after(told, physics):
     assert short[0].lift < 0.5 * physics.lift_height <= long[0].lift
 
 
+def test_the_place_of_the_loss_has_risen_with_a_calm_object(told):
+    """Contacts are not read again while an object rests in the grip; where it was lost is told all the same."""
+    _, outcome, evidence, _ = told(lost=0.2)
+    assert outcome is Outcome.SLIPPED
+    assert evidence.lift == pytest.approx(0.2, abs=7e-3)  # a look is 6 mm
+    assert evidence.place[2] == pytest.approx(0.03 + evidence.lift, abs=1e-6)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_contacts_without_force_never_make_a_lost_object_a_held_one(physics, gripper, shapes, whole):
+    """Detectors report pairs that barely touch, with no force: the fingers' bodies count as touched, nothing is held."""
+
+    class Grazed(Told):
+        def touched(self):
+            return (True, True) if self.closed else (False, False)
+
+    box = shapes.box(2 * HALF, 0.06, 0.06)
+    pose = shapes.standing(box)
+    engine = Grazed(box, pose, physics, gripper, lost=0.01)
+    outcome, _, comfort = Execution(engine, [pose]).run(GRASP, 0.0, whole=whole, recorder=None)
+    assert outcome is Outcome.SLIPPED and comfort is None
+
+
 def test_lost_at_once(told):
     _, outcome, evidence, _ = told(lost=1e-6)
     assert outcome is Outcome.SLIPPED
