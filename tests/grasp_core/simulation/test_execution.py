@@ -196,7 +196,7 @@ def test_the_place_of_the_loss_has_risen_with_a_calm_object(told):
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_contacts_without_force_never_make_a_lost_object_a_held_one(physics, gripper, shapes, whole):
-    """Detectors report pairs that barely touch, with no force: the fingers' bodies count as touched, nothing is held."""
+    """Detectors report pairs that barely touch, with no force: the fingers count as touched, nothing is held."""
 
     class Grazed(Told):
         def touched(self):

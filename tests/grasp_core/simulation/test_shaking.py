@@ -96,5 +96,5 @@ def test_levels_grow_by_steps_to_the_most():
     assert Shake("x", 0.1, 0.3).levels == pytest.approx([0.1, 0.2, 0.3])
     assert Shake("x", 2.0, 7.0).levels == [2.0, 4.0, 6.0]
     for wrong in ((0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (1.0, math.inf)):
-        with pytest.raises(ValueError, match="step|most"):
+        with pytest.raises(ValueError, match=r"step|most"):
             Shake("x", *wrong)
