@@ -153,8 +153,10 @@ def test_an_uploaded_image_is_read_by_the_worker(browser):
 
 def test_all_candidates_are_tried_until_the_job_is_cancelled(browser):
     session, screen = browser
+    shown = screen.state.scene_ticket
     session.post(a.Change("threshold", 0.0))
-    wait(lambda: not screen.state.opening and len(screen.state.candidates) > 3, "more candidates")
+    wait(lambda: screen.state.scene_ticket != shown and not screen.state.opening, "the new plan")
+    assert len(screen.state.candidates) > 3
     session.post(a.TryAll())
     wait(lambda: any(trial.complete for trial in screen.state.trials.values()), "the first trial")
     session.post(a.StopTrying())
