@@ -1,6 +1,5 @@
 """Trials in DART: replay, compare, all candidates, a replay as one file, verdicts."""
 
-import pytest
 
 from grasp_core.dataset.store import DatasetStore
 
@@ -108,8 +107,9 @@ def test_noise_is_a_setting_of_trials(page):
     assert len(outcomes) == 1, "without noise all attempts are one"
 
 
-@pytest.mark.parametrize("key", ["j"])
-def test_hotkeys_go_through_the_candidates(page, key):
+def test_hotkeys_go_through_the_candidates(page):
     page.raw.mouse.click(640, 60)  # empty scene: the keys are for the page
-    page.raw.keyboard.press(key)
+    page.raw.keyboard.press("j")
     page.until("document.querySelector('[data-trial]').innerText.includes('andidate 2')")
+    page.raw.keyboard.press("k")
+    page.until("document.querySelector('[data-trial]').innerText.includes('andidate 1')")

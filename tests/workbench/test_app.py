@@ -108,6 +108,7 @@ def test_a_worker_that_dies_is_reported_and_replaced(workbench, browser):
     wait(lambda: any(notice.title == "Worker replaced" for notice in screen.notices), "the report")
     session.post(a.Select(BEST))
     wait(lambda: screen.state.trial.complete, "the trial of the new worker")
+    assert screen.state.trial.failed is None and screen.state.trial.attempts
 
 
 def test_an_effect_that_nobody_does_is_an_error(workbench, browser):
