@@ -1,6 +1,5 @@
 """Trials in DART: replay, compare, all candidates, a replay as one file, verdicts."""
 
-
 from grasp_core.dataset.store import DatasetStore
 
 HEIGHT = "window.__viserMutable.nodeRefFromName['/inspect/gripper/base'].position.z"
