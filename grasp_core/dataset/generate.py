@@ -20,7 +20,7 @@ import numpy as np
 from grasp_core.camera import Camera, DepthImage, canonical_camera, load_camera
 from grasp_core.dataset.content import SceneRecord
 from grasp_core.dataset.database import FILE
-from grasp_core.dataset.recipe import ObjectPlan, Recipe, name_seed, plan_objects
+from grasp_core.dataset.recipe import ObjectPlan, Recipe, check_sets, name_seed, plan_objects
 from grasp_core.dataset.rows import AttemptRow, StoredPose
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import ConfigError, GraspError, MismatchError
@@ -303,6 +303,7 @@ def _make_objects(
 ) -> None:
     known = {row.name for row in store.objects()} | set(store.refused())
     missing = [plan for plan in plans if plan.name not in known]
+    check_sets(recipe, missing)
     done = len(plans) - len(missing)
     tell(Progress("objects", done, len(plans)))
     items = [_ObjectItem(plan, physics, name_seed(recipe.seed, "poses", plan.name)) for plan in missing]

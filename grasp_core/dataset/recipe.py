@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal
 
@@ -161,8 +162,7 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
     """Every object of a recipe, split by split.
 
     Raises:
-        ConfigError: an unknown family, a set that is not installed, a missing folder, no objects, or one object that is
-            asked for twice.
+        ConfigError: an unknown family, a missing folder, no objects, or one object that is asked for twice.
     """
     plans: dict[str, ObjectPlan] = {}
     for split in SPLITS:
@@ -178,21 +178,35 @@ def plan_objects(recipe: Recipe) -> list[ObjectPlan]:
     return list(plans.values())
 
 
+def check_sets(recipe: Recipe, plans: Iterable[ObjectPlan]) -> None:
+    """See that every set that planned objects come from is installed and has them, before hours of work without them.
+
+    Raises:
+        ConfigError: it is not installed, or has no object of that name.
+    """
+    wanted: dict[str, list[str]] = {}
+    for plan in plans:
+        if (owner := set_of(plan.name)) is not None and not plan.file:
+            wanted.setdefault(owner, []).append(plan.name)
+    for owner, names in wanted.items():
+        try:
+            files = set_files(owner)
+        except MeshError as error:
+            raise ConfigError(f"recipe '{recipe.name}': {error}") from error
+        for name in names:
+            if name not in files:
+                raise ConfigError(f"recipe '{recipe.name}': the set '{owner}' has no object '{name}'")
+
+
 def _split_plans(recipe: Recipe, split: Split) -> list[ObjectPlan]:
     objects = recipe.objects(split)
     known = _families()
-    try:  # before hours of work that would leave their objects out
-        sets = {owner: set_files(owner) for owner in {set_of(name) for name in objects.names} if owner is not None}
-    except MeshError as error:
-        raise ConfigError(f"recipe '{recipe.name}': {error}") from error
     plans = []
     wanted = [
         (family, seed) for family, n in objects.families.items() for seed in range(objects.first, objects.first + n)
     ]
     for name in objects.names:
         if (owner := set_of(name)) is not None:
-            if name not in sets[owner]:
-                raise ConfigError(f"recipe '{recipe.name}': the set '{owner}' has no object '{name}'")
             plans.append(ObjectPlan(name, split, owner))
             continue
         family, _, number = name.rpartition("_")
