@@ -31,8 +31,14 @@ class ContactReader:
     asking each for its name takes ten times as long.
     """
 
-    def __init__(self, shapes: Iterable[Any]) -> None:
-        """Keep the shape nodes of a world; their names begin with "left_finger/", "right_finger/" or "object_N/"."""
+    def __init__(self, shapes: Iterable[Any], height: float) -> None:
+        """Keep the shape nodes of a world; their names begin with "left_finger/", "right_finger/" or "object_N/".
+
+        Args:
+            shapes: all of them.
+            height: of z = 0 above DART's origin, metres.
+        """
+        self._height = np.array([0.0, 0.0, height])
         self._fingers: dict[Any, int] = {}
         self._objects: dict[Any, int] = {}
         for shape in shapes:
@@ -45,11 +51,12 @@ class ContactReader:
     def touches(self, contacts: Iterable[Any]) -> list[Touch]:
         """Contacts between fingers and objects that press; normals point out of the object.
 
-        The native detector also reports contacts at the origin, which carry no force: they are none.
+        Where the native detector finds no depth, it reports a contact at DART's origin: none of a finger's.
         """
         found = []
         for contact in contacts:
-            if not contact.force.any():
+            point = contact.point
+            if not contact.force.any() or not point.any():
                 continue
             first = contact.collisionObject1.getShapeFrame()
             second = contact.collisionObject2.getShapeFrame()
@@ -60,7 +67,7 @@ class ContactReader:
                 finger, item, sign = self._fingers[first], self._objects[second], -1.0
             else:
                 continue
-            found.append(Touch(finger, item, contact.point, -sign * contact.normal, sign * contact.force))
+            found.append(Touch(finger, item, point - self._height, -sign * contact.normal, sign * contact.force))
         return found
 
 

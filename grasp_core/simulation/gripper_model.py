@@ -20,11 +20,11 @@ _PARKED = 5.0
 FINGERS = ("left_finger", "right_finger")
 
 
-def isometry(transform: NDArray[np.float64]) -> dart.math.Isometry3:
-    """DART's form of a 4×4 transform."""
+def isometry(transform: NDArray[np.float64], shift: NDArray[np.float64] | float = 0.0) -> dart.math.Isometry3:
+    """DART's form of a 4×4 transform, shifted by (3,) metres."""
     result = dart.math.Isometry3()
     result.set_rotation(np.ascontiguousarray(transform[:3, :3]))
-    result.set_translation(np.ascontiguousarray(transform[:3, 3]))
+    result.set_translation(transform[:3, 3] + shift)
     return result
 
 
@@ -43,6 +43,7 @@ class GripperModel:
     def __init__(self, spec: Gripper, physics: Physics) -> None:
         self.spec = spec
         self._stiffness = physics.pad_stiffness
+        self._height = np.array([0.0, 0.0, physics.table_height])
         self._push = spec.force / 2
         # A force F against a drag of F / speed gives the finger its speed limit without ever weakening its grip. The
         # drag is part of the command: as a damping coefficient DART would treat it implicitly and scale the grip
@@ -106,7 +107,7 @@ class GripperModel:
             travel: of the left and the right finger, metres.
             speed: at which both fingers close, m/s.
         """
-        self._joint.setTransformFromParentBodyNode(isometry(world_from_gripper))
+        self._joint.setTransformFromParentBodyNode(isometry(world_from_gripper, self._height))
         left, right = travel
         self.skeleton.setPositions(np.array([0.0, left, left, right, right]))
         self.skeleton.setVelocities(np.array([0.0, speed, speed, speed, speed]))

@@ -125,6 +125,7 @@ class ObjectBody:
         name = f"object_{index}"
         self.asset = asset
         self.mass = physics.mass(asset)
+        self._height = np.array([0.0, 0.0, physics.table_height])
         if parts:
             self.skeleton = _load_parts(asset, name, self.mass)
         else:
@@ -150,11 +151,14 @@ class ObjectBody:
     @property
     def pose(self) -> NDArray[np.float64]:
         """world_from_object, 4×4."""
-        return np.array(self.body.getWorldTransform().matrix())
+        pose = np.array(self.body.getWorldTransform().matrix())
+        pose[:3, 3] -= self._height
+        return pose
 
     def place(self, world_from_object: NDArray[np.float64]) -> None:
         """Put the object there, at rest."""
-        self.skeleton.setPositions(dart.dynamics.FreeJoint.convertToPositions(isometry(world_from_object)))
+        place = isometry(world_from_object, self._height)
+        self.skeleton.setPositions(dart.dynamics.FreeJoint.convertToPositions(place))
         self.skeleton.setVelocities(np.zeros(6))
         self.skeleton.setAccelerations(np.zeros(6))
 

@@ -23,6 +23,7 @@ class Physics(config.Settings):
         contact_radius: of the spheres that touch the table, m.
         contact_points: at most so many of them an object.
         detector: which of DART's collision detectors.
+        table_height: of the table above DART's origin, m.
         start_gap: distance to the first contact at which the simulation of the closing starts, m.
         closing_time: longest closing, s.
         lift_height: m.
@@ -42,6 +43,7 @@ class Physics(config.Settings):
     contact_radius: float
     contact_points: int
     detector: Literal["native", "fcl"]
+    table_height: float
     start_gap: float
     closing_time: float
     lift_height: float

@@ -26,7 +26,8 @@ _MANY = 400
 class World:
     """Table, objects and, if one is given, a gripper, ready to be stepped.
 
-    The table's top lies one sphere radius below z = 0, so that an object's own vertices rest at z = 0.
+    The table's top lies one sphere radius below z = 0, so that an object's own vertices rest at z = 0. Poses and contact
+    points are given and told in this frame; in DART it lies `Physics.table_height` above the origin.
 
     Attributes:
         world: DART's world.
@@ -60,6 +61,9 @@ class World:
         awake = self.world.getDeactivationOptions()
         awake.mEnabled = False
         self.world.setDeactivationOptions(awake)
+        # Where Dantzig's method stops short, DART's Gauss-Seidel would go on from the last step's impulses; which contact
+        # gets which of those, where a pair of shapes has many, hangs on the addresses of the two shapes in memory.
+        self.world.getConstraintSolver().setSecondaryBoxedLcpSolver(None)
         self._fresh_detector()
         table = self._table()
         self.objects: list[ObjectBody] = []
@@ -76,13 +80,15 @@ class World:
         self._separate(table)
         skeletons = [self.world.getSkeleton(index) for index in range(self.world.getNumSkeletons())]
         bodies = [body for skeleton in skeletons for body in skeleton.getBodyNodes()]
-        self._contacts = ContactReader(shape for body in bodies for shape in body.getShapeNodes())
+        self._contacts = ContactReader(
+            (shape for body in bodies for shape in body.getShapeNodes()), physics.table_height
+        )
 
     def _table(self) -> dart.dynamics.BodyNode:
         skeleton = dart.dynamics.Skeleton("table")
         joint, body = skeleton.createWeldJointAndBodyNodePair()
         place = np.eye(4)
-        place[2, 3] = -_TABLE / 2 - self.physics.contact_radius
+        place[2, 3] = self.physics.table_height - _TABLE / 2 - self.physics.contact_radius
         joint.setTransformFromParentBodyNode(isometry(place))
         node = body.createShapeNode(dart.dynamics.BoxShape([2 * _TABLE, 2 * _TABLE, _TABLE]), "table")
         node.createCollisionAspect()

@@ -18,7 +18,7 @@ class Shape:
 NAMES = [f"{finger}_finger/{end}" for finger in ("left", "right") for end in ("front", "back")]
 NAMES += ["table", "rod", "base", *(f"object_{number}/{part}" for number in range(13) for part in ("0", "1", "feet"))]
 SHAPES = {name: Shape(name) for name in NAMES}
-READER = ContactReader(SHAPES.values())
+READER = ContactReader(SHAPES.values(), 0.0)
 
 
 def body(name):
