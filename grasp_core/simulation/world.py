@@ -26,8 +26,8 @@ _MANY = 400
 class World:
     """Table, objects and, if one is given, a gripper, ready to be stepped.
 
-    The table's top lies one sphere radius below z = 0, so that an object's own vertices rest at z = 0. Poses and contact
-    points are given and told in this frame; in DART it lies `Physics.table_height` above the origin.
+    The table's top lies one sphere radius below z = 0, so that an object's own vertices rest at z = 0. Poses and
+    contact points are given and told in this frame; in DART it lies `Physics.table_height` above the origin.
 
     Attributes:
         world: DART's world.
@@ -61,10 +61,11 @@ class World:
         awake = self.world.getDeactivationOptions()
         awake.mEnabled = False
         self.world.setDeactivationOptions(awake)
-        # Where Dantzig's method stops short, DART's Gauss-Seidel would go on from the last step's impulses; which contact
-        # gets which of those, where a pair of shapes has many, hangs on the addresses of the two shapes in memory.
+        # Where Dantzig's method stops short, DART's Gauss-Seidel would go on from the last step's impulses; which
+        # contact gets which of those, where a pair of shapes has many, hangs on where the two shapes lie in memory.
         self.world.getConstraintSolver().setSecondaryBoxedLcpSolver(None)
-        self._fresh_detector()
+        detectors = {"native": dart.collision.DARTCollisionDetector, "fcl": dart.collision.FCLCollisionDetector}
+        self.world.getConstraintSolver().setCollisionDetector(detectors[physics.detector]())
         table = self._table()
         self.objects: list[ObjectBody] = []
         for index, asset in enumerate(assets):
@@ -115,25 +116,14 @@ class World:
                     pairs.addBodyNodePairToBlackList(item.feet, other.feet)
 
     def rewind(self, poses: Sequence[NDArray[np.float64]]) -> None:
-        """Start afresh with the objects at rest at these poses (4×4), whatever happened before.
-
-        The detector's search tree remembers where bodies have been: the order of contacts follows from its shape, and
-        the solver's last bits, rarely even a verdict, from that order. A new detector starts with a tree that depends
-        on nothing but the shapes, so attempts are the same, bit for bit, in any order and any process.
-        """
+        """Start afresh with the objects at rest at these poses (4×4), whatever happened before."""
         self.world.reset()
         self._pushes.clear()
         if self.gripper is not None:
             self.gripper.park()
         for item, pose in zip(self.objects, poses, strict=True):
             item.place(pose)
-        self._fresh_detector()
-
-    def _fresh_detector(self) -> None:
-        detectors = {"native": dart.collision.DARTCollisionDetector, "fcl": dart.collision.FCLCollisionDetector}
-        solver = self.world.getConstraintSolver()
-        solver.setCollisionDetector(detectors[self.physics.detector]())
-        solver.clearLastCollisionResult()
+        self.world.getConstraintSolver().clearLastCollisionResult()
 
     def step(self) -> None:
         """Advance by one time step, the gripper left alone."""

@@ -25,12 +25,12 @@ def body(name):
     return SimpleNamespace(getShapeFrame=lambda: SHAPES[name])
 
 
-def made(first, second, normal=(1.0, 0, 0), force=(2.0, 0, 1.0)):
+def made(first, second, normal=(1.0, 0, 0), force=(2.0, 0, 1.0), point=(0.1, 0.2, 0.3)):
     """A contact as DART reports it: normal and force point from the second body to the first."""
     return SimpleNamespace(
         collisionObject1=body(first),
         collisionObject2=body(second),
-        point=np.array([0.1, 0.2, 0.3]),
+        point=np.array(point),
         normal=np.array(normal),
         force=np.array(force),
     )
@@ -44,6 +44,13 @@ def test_either_order_gives_the_force_on_the_object():
         assert touch.force.tolist() == [2, 0, 1]
         assert touch.normal.tolist() == [-1, 0, 0]
         assert touch.point.tolist() == [0.1, 0.2, 0.3]
+
+
+def test_points_count_from_the_table_and_a_contact_at_the_origin_is_none():
+    reader = ContactReader(SHAPES.values(), 1.0)
+    contacts = [made("object_0/0", "left_finger/front", point=point) for point in ((0.1, 0.2, 1.3), (0.0, 0.0, 0.0))]
+    (touch,) = reader.touches(contacts)
+    assert np.allclose(touch.point, [0.1, 0.2, 0.3])
 
 
 def test_what_is_no_finger_on_an_object_is_left_out():

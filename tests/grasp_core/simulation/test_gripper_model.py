@@ -118,18 +118,19 @@ def test_boxes_stand_where_the_gripper_says(physics, gripper):
     grasp = Grasp((0.1, -0.05, 0.03), 0.7, 0.06)
     travel = (gripper.opening - 0.06) / 2
     model.place(grasp.world_from_gripper, (travel, travel))
+    origin = [0, 0, physics.table_height]
     for name, first in (("left_finger", 0), ("right_finger", 2)):
         box, centre = gripper.boxes(0.06)[name]
         middle = np.mean([pad.getWorldTransform().translation() for pad in model.pads[first : first + 2]], axis=0)
         expected = grasp.world_from_gripper @ [*centre, 1.0]
-        assert np.allclose(middle, expected[:3], atol=1e-12)
+        assert np.allclose(middle - origin, expected[:3], atol=1e-12)
         size = model.pads[first].getShapeNode(0).getShape().getSize()
         assert np.allclose(size, [box.x, box.y / 2, box.z])
     for node in model.base.getShapeNodes():
         box, centre = gripper.boxes()[node.getName()]
         assert np.allclose(node.getShape().getSize(), box.size)
         expected = grasp.world_from_gripper @ [*centre, 1.0]
-        assert np.allclose(node.getWorldTransform().translation(), expected[:3], atol=1e-12)
+        assert np.allclose(node.getWorldTransform().translation() - origin, expected[:3], atol=1e-12)
 
 
 def test_lift_follows_the_command(physics, gripper):
