@@ -19,6 +19,8 @@ __all__ = ["Physics", "World", "load_physics"]
 
 _TABLE = 1.0
 """Metres: half the side of the table, and its thickness."""
+_Z = 5
+"""Which position of a free joint is its height."""
 _MANY = 400
 """Feet of an object whose pose is not known beforehand."""
 
@@ -61,9 +63,6 @@ class World:
         awake = self.world.getDeactivationOptions()
         awake.mEnabled = False
         self.world.setDeactivationOptions(awake)
-        # Where Dantzig's method stops short, DART's Gauss-Seidel would go on from the last step's impulses; which
-        # contact gets which of those, where a pair of shapes has many, hangs on where the two shapes lie in memory.
-        self.world.getConstraintSolver().setSecondaryBoxedLcpSolver(None)
         detectors = {"native": dart.collision.DARTCollisionDetector, "fcl": dart.collision.FCLCollisionDetector}
         self.world.getConstraintSolver().setCollisionDetector(detectors[physics.detector]())
         table = self._table()
@@ -81,6 +80,14 @@ class World:
         self._separate(table)
         skeletons = [self.world.getSkeleton(index) for index in range(self.world.getNumSkeletons())]
         bodies = [body for skeleton in skeletons for body in skeleton.getBodyNodes()]
+        detector = self.world.getConstraintSolver().getCollisionDetector()
+        self._shapes = self.world.getConstraintSolver().getCollisionGroup()
+        # A foot has one contact with the table; all other pairs come apart when these bodies move apart.
+        self._heights = [(item.skeleton, _Z) for item in self.objects[1:]]
+        if self.gripper is not None:
+            self._heights.append((self.gripper.skeleton, 0))
+        self._no_shapes = detector.createCollisionGroup()
+        self._no_contacts = dart.collision.CollisionOption(False)
         self._contacts = ContactReader(
             (shape for body in bodies for shape in body.getShapeNodes()), physics.table_height
         )
@@ -117,27 +124,51 @@ class World:
 
     def rewind(self, poses: Sequence[NDArray[np.float64]]) -> None:
         """Start afresh with the objects at rest at these poses (4×4), whatever happened before."""
+        solver = self.world.getConstraintSolver()
         self.world.reset()
         self._pushes.clear()
         if self.gripper is not None:
             self.gripper.park()
         for item, pose in zip(self.objects, poses, strict=True):
             item.place(pose)
-        self.world.getConstraintSolver().clearLastCollisionResult()
+        # The constraint solver knows last step's contacts, too; those of a step of another length it drops.
+        self._forget()
+        solver.setTimeStep(self.physics.time_step / 2)
+        solver.solve()
+        solver.setTimeStep(self.physics.time_step)
+        solver.clearLastCollisionResult()
 
     def step(self) -> None:
         """Advance by one time step, the gripper left alone."""
+        self._forget()
         self.world.step()
+
+    def _forget(self) -> None:
+        """Make the native detector forget the contacts that it knows and the impulses that they carried.
+
+        It keeps four contacts a pair of shapes and tells them apart by their places in the frame of the shape that
+        lies lower in memory; from their impulses DART's second solver starts where Dantzig's method stops short. So
+        the last bits, rarely a verdict, would hang on addresses. Contacts of shapes that moved apart are dropped.
+        """
+        if not self._heights:
+            return
+        known = [skeleton.getPosition(index) for skeleton, index in self._heights]
+        for apart, ((skeleton, index), height) in enumerate(zip(self._heights, known, strict=True), 1):
+            skeleton.setPosition(index, height + apart)
+        self._shapes.collide(self._no_shapes, self._no_contacts)
+        for (skeleton, index), height in zip(self._heights, known, strict=True):
+            skeleton.setPosition(index, height)
 
     def advance(self, steps: int, speed: float = 0.0, acceleration: float = 0.0) -> None:
         """Close with full force for some steps while the base rises: at `speed` before the first, then accelerating."""
-        command, step = self._gripper.command, self.world.step
+        command, forget, step = self._gripper.command, self._forget, self.world.step
         gain = acceleration * self.physics.time_step
         for _ in range(steps):
             speed += gain
             command(speed)
             for index, force in self._pushes.items():  # DART forgets them after a step
                 self.objects[index].body.addExtForce(force)
+            forget()
             step()
 
     def push(self, index: int, force: NDArray[np.float64]) -> None:
