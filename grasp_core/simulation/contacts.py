@@ -83,6 +83,16 @@ def strain(found: Sequence[Touch], friction: float) -> float:
     return worst
 
 
+def contact_kinds(found: Sequence[Touch], world_from_gripper: NDArray[np.float64]) -> list[str]:
+    """How the contacts of each finger that has some spread over its face: "face", "edge" or "point"."""
+    kinds = []
+    for finger in (0, 1):
+        points = [touch.point for touch in found if touch.finger == finger]
+        if points:
+            kinds.append(contact_kind(np.array(points) @ world_from_gripper[:3, :3]))
+    return kinds
+
+
 def finger_contacts(
     found: list[Touch], world_from_gripper: NDArray[np.float64]
 ) -> tuple[FingerContact | None, FingerContact | None]:
