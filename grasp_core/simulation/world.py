@@ -82,8 +82,8 @@ class World:
         bodies = [body for skeleton in skeletons for body in skeleton.getBodyNodes()]
         detector = self.world.getConstraintSolver().getCollisionDetector()
         self._shapes = self.world.getConstraintSolver().getCollisionGroup()
-        # A foot has one contact with the table; all other pairs come apart when these bodies move apart.
-        self._heights = [(item.skeleton, _Z) for item in self.objects[1:]]
+        # All that touch come apart when these move apart: the table, all objects but one, the gripper.
+        self._heights = [(table.getSkeleton(), 0), *((item.skeleton, _Z) for item in self.objects[1:])]
         if self.gripper is not None:
             self._heights.append((self.gripper.skeleton, 0))
         self._no_shapes = detector.createCollisionGroup()
@@ -94,7 +94,8 @@ class World:
 
     def _table(self) -> dart.dynamics.BodyNode:
         skeleton = dart.dynamics.Skeleton("table")
-        joint, body = skeleton.createWeldJointAndBodyNodePair()
+        joint, body = skeleton.createPrismaticJointAndBodyNodePair()  # it moves for `_forget` alone
+        joint.setAxis([0.0, 0.0, 1.0])
         place = np.eye(4)
         place[2, 3] = self.physics.table_height - _TABLE / 2 - self.physics.contact_radius
         joint.setTransformFromParentBodyNode(isometry(place))
@@ -150,8 +151,6 @@ class World:
         lies lower in memory; from their impulses DART's second solver starts where Dantzig's method stops short. So
         the last bits, rarely a verdict, would hang on addresses. Contacts of shapes that moved apart are dropped.
         """
-        if not self._heights:
-            return
         known = [skeleton.getPosition(index) for skeleton, index in self._heights]
         for apart, ((skeleton, index), height) in enumerate(zip(self._heights, known, strict=True), 1):
             skeleton.setPosition(index, height + apart)
