@@ -109,7 +109,7 @@ def test_same_seed_same_attempt_in_any_order(physics, gripper, shapes):
 
 
 def test_an_attempt_ends_alike_in_every_world(physics, gripper):
-    """With the second solver that DART brings, each of these ends in one of two ways."""
+    """Where the detector remembers its contacts, the second attempt in a world ends otherwise than the first."""
     cup = catalogue("cup_000")
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[2, 3] = cup.vertices[:, 2].max()
