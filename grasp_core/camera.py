@@ -46,7 +46,7 @@ def rigid(matrix: ArrayLike, name: str) -> NDArray[np.float64]:
         raise GraspError(f"the last row of {name} must be 0 0 0 1, not {given[3].tolist()}")
     checked = given.copy()
     checked[3] = [0, 0, 0, 1]
-    if off > 1e-9:
+    if off > 1e-13:
         left, _, right = np.linalg.svd(rotation)
         checked[:3, :3] = left @ right
     checked.setflags(write=False)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from grasp_core import config
 from grasp_core.camera import (
@@ -65,7 +66,8 @@ def test_projection_agrees_with_opencv(camera, x, y):
     point = np.array([x, y, 0.05])
     u, v, depth = camera.project(point)
     assume(depth > 0.1)
-    r, _ = cv2.Rodrigues(camera.camera_from_world[:3, :3])
+    # Not cv2.Rodrigues, which takes a turn by nearly π for one about a neighbouring axis.
+    r = Rotation.from_matrix(camera.camera_from_world[:3, :3]).as_rotvec()
     t = camera.camera_from_world[:3, 3]
     distortion = np.zeros(5) if k.distortion is None else np.array(k.distortion)
     expected, _ = cv2.projectPoints(point.reshape(1, 3), r, t, k.matrix, distortion)
