@@ -322,6 +322,10 @@ def test_histories_and_reverts(person, store):
     assert "ann set 0.25" in entry.inner_text() and "the lid is open" in entry.inner_text()
     entry.get_by_role("button", name="revert").click()
     eve.page.wait_for_selector(f"li.gw-gone[data-event='{event.id}']")
+    for _ in range(100):  # what is shown runs ahead of the store
+        if store.grasp(250).source == "dart":
+            break
+        eve.page.wait_for_timeout(100)
     assert store.grasp(250).source == "dart"
     eve.page.locator("[data-person='ann']").click()
     eve.page.wait_for_selector("[data-about='ann'] [data-event]")
