@@ -46,7 +46,7 @@ _CERTAIN = (
 between two looks), for so many looks in a row, in a grip that uses less than this share of its friction, at least so
 many metres up. A grip near the limit of its friction may creep for 10 to 20 cm before it lets go: hence the slower the
 nearer to it. What a finger holds by a point alone may turn about it and come loose at any height: it is lifted all the
-way (230 of 1,085 early successes were held so, and 15 of the 18 that the whole lift called slipped)."""
+way (230 of 1,094 early successes were held so, and 15 of the 18 that the whole lift called slipped)."""
 _READ = 3
 """Looks between two readings of the contacts while the object moves in the gripper."""
 _CLEAR = 0.005
