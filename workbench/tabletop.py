@@ -73,8 +73,7 @@ def box_corners(size: Sequence[float]) -> NDArray[np.float64]:
 def outline(corners: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
     """Corners (K, 3) of a convex piece, world, metres → the outline (M, 2) of its shadow, counter-clockwise."""
     flat = corners[:, :2] - corners[:, 2:] * (np.array(_SUN[:2]) / _SUN[2])
-    hull: NDArray[np.float32] = cv2.convexHull(np.clip(flat, -_HALF, _HALF).astype(np.float32))
-    return hull[:, 0]
+    return np.asarray(cv2.convexHull(np.clip(flat, -_HALF, _HALF).astype(np.float32)), np.float32)[:, 0]
 
 
 class Shadows:
