@@ -20,6 +20,9 @@ OUTCOMES: dict[str, tuple[int, int, int]] = {
 
 OBJECT = (205, 160, 105)
 TABLE = (52, 57, 64)
+GRID = (74, 79, 86)
+SHADE = (31, 34, 39)
+"""Of shadows on the table."""
 FINGER = (84, 150, 230)
 FRAME = (150, 158, 170)
 UNKNOWN = (128, 136, 148)

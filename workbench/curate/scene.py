@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 
 from grasp_core.grasp import Grasp
@@ -13,6 +12,7 @@ from workbench.bridge import Bridge
 from workbench.casting import plain, pose, put
 from workbench.curate.state import Playing, State
 from workbench.inspector.drawing import body_at, fork, shaded
+from workbench.tabletop import Body, Shadows, box_corners, furnish
 
 _MOST_OBJECTS = 8
 
@@ -23,18 +23,8 @@ class SampleScene:
     def __init__(self, bridge: Bridge, gripper: Gripper) -> None:
         self._gripper = gripper
         scene = bridge.client.scene
-        scene.add_light_ambient(bridge.node("/light/all"), color=(255, 255, 255), intensity=0.75)
-        scene.add_light_directional(
-            bridge.node("/light/sun"),
-            color=(255, 250, 240),
-            intensity=1.9,
-            cast_shadow=True,
-            wxyz=plain(tuple(viser.transforms.SO3.from_rpy_radians(0.45, 0.35, 0.0).wxyz)),
-        )
-        size = (0.9, 0.9, 0.02)
-        scene.add_box(
-            bridge.node("/table"), color=colours.TABLE, dimensions=size, position=(0, 0, -0.0105), cast_shadow=False
-        )
+        furnish(scene, bridge.node)
+        self._shadows = Shadows(scene, bridge.node)
         nothing = (np.zeros((3, 3), np.float32), np.array([[0, 1, 2]], np.uint32))
         self._objects = [
             scene.add_mesh_simple(
@@ -52,6 +42,9 @@ class SampleScene:
             )
             for name, (box, centre) in gripper.boxes().items()
         }
+        self._bodies: dict[str, Body] = {
+            name: (self._parts[name], [box_corners(box.size)]) for name, (box, _) in gripper.boxes().items()
+        }
         small = fork(gripper)
         self._before = scene.add_mesh_simple(
             bridge.node("/before"),
@@ -63,6 +56,10 @@ class SampleScene:
 
     def update(self, old: State | None, new: State) -> None:
         """Show `new`; only what differs from `old` is sent."""
+        self._show(old, new)
+        self._shadows.cast(list(self._bodies.values()))
+
+    def _show(self, old: State | None, new: State) -> None:
         before = None if old is None else old.sample
         if new.sample is None:
             for handle in (*self._objects, *self._parts.values(), self._before):
@@ -71,8 +68,10 @@ class SampleScene:
         if before is None or before.row.scene != new.sample.row.scene:
             for slot, handle in enumerate(self._objects):
                 if slot < len(new.sample.scene.objects):
-                    vertices, faces = shaded(new.sample.scene.objects[slot].asset.mesh)
+                    asset = new.sample.scene.objects[slot].asset
+                    vertices, faces = shaded(asset.mesh)
                     put(handle, vertices=vertices, faces=faces)
+                    self._bodies[f"object_{slot}"] = handle, [part.vertices for part in asset.parts]
                 put(handle, visible=slot < len(new.sample.scene.objects))
         if new.playing is not None:
             self._show_frame(new.playing)

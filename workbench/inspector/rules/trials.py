@@ -16,6 +16,8 @@ _LOOSE = Notice(
     "info", "The object is not at rest", "It was lifted or tipped. Let it settle in DART first (button or hotkey X)."
 )
 
+_PLANNING = Notice("info", "A new plan is on its way", "Try all of its candidates once it is there.")
+
 
 @rule(a.Select)
 def _select(action: a.Select, state: State) -> Result:
@@ -130,6 +132,8 @@ def _trial_failed(action: r.TrialFailed, state: State) -> Result:
 def _try_all(action: a.TryAll, state: State) -> Result:
     if state.scene is None or not state.candidates or not state.scene.scene.objects or state.sweep is not None:
         return state, ()
+    if state.making is not None:
+        return state, (_PLANNING,)
     if state.loose:
         return state, (_LOOSE,)
     everything = tuple(range(len(state.candidates)))

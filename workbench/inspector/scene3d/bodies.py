@@ -18,6 +18,7 @@ from workbench.inspector.actions import Drag, Grab
 from workbench.inspector.drawing import body_at, force_lines, frame_at, shaded
 from workbench.inspector.orders import MOST_THINGS, OpenedScene, Try
 from workbench.inspector.state import State
+from workbench.tabletop import Body, Shadows, box_corners
 
 _NOTHING = (np.zeros((3, 3), np.float32), np.array([[0, 1, 2]], np.uint32))
 _BODIES = ("left_finger", "right_finger", "rod", "base")
@@ -28,7 +29,10 @@ class Cast:
 
     def __init__(self, bridge: Bridge, root: str, pale: bool) -> None:
         scene = bridge.client.scene
-        look: dict[str, Any] = {"opacity": 0.35 if pale else None, "visible": False, "cast_shadow": not pale}
+        look: dict[str, Any] = {
+            "opacity": 0.35 if pale else None, "visible": False, "cast_shadow": False, "receive_shadow": False,
+        }  # fmt: skip
+        self._bodies: dict[str, Body] = {}
         boxes = load_gripper().boxes()
         self.objects = [
             scene.add_mesh_simple(
@@ -53,8 +57,18 @@ class Cast:
             if slot < len(opened.scene.objects):
                 vertices, faces = shaded(opened.scene.objects[slot].asset.mesh)
                 put(handle, vertices=vertices, faces=faces)
+                self._bodies[f"object_{slot}"] = (
+                    handle,
+                    [part.vertices for part in opened.scene.objects[slot].asset.parts],
+                )
         for name, (box, _) in opened.gripper.boxes().items():
             put(self.gripper[name], dimensions=plain(box.size))
+            self._bodies[name] = self.gripper[name], [box_corners(box.size)]
+
+    @property
+    def solids(self) -> list[Body]:
+        """What casts shadows."""
+        return list(self._bodies.values())
 
     def play(self, attempt: Try, position: float) -> None:
         """Put all bodies where a recording has them at a time, seconds."""
@@ -105,6 +119,7 @@ class Bodies:
         scene = bridge.client.scene
         self._cast = Cast(bridge, "", False)
         self._ghost = Cast(bridge, "/compared", True)
+        self._shadows = Shadows(scene, bridge.node)
         self._forces = scene.add_line_segments(
             bridge.node("/contacts"), points=np.zeros((1, 2, 3), np.float32), colors=colours.FORCE, thickness=0.0016,
             visible=False,
@@ -135,6 +150,7 @@ class Bodies:
         self._replay(old, new)
         self._compare(new)
         self._hold(new)
+        self._shadows.cast(self._cast.solids)
 
     def _replay(self, old: State | None, new: State) -> None:
         playback, opened = new.playback, new.scene

@@ -45,7 +45,8 @@ class Marks:
         if old is None or _drawn(old) != _drawn(new):
             self._show(new)
         put(self._forks, visible="candidates" in new.shown and bool(new.candidates))
-        put(self._forks, opacity=None if new.playback is None else 0.35)
+        # Never None: between opaque and transparent the page compiles another shader, which delays the first frame.
+        put(self._forks, opacity=1.0 if new.playback is None else 0.35)
         candidate = new.candidate
         put(self._axes, visible="frames" in new.shown and candidate is not None)
         if candidate is not None:

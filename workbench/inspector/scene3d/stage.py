@@ -1,4 +1,4 @@
-"""What stands still: lights, table, grid, axes of the world, and the camera with its image and what it measured."""
+"""What stands still: the table, axes of the world, and the camera with its image and what it measured."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import math
 from typing import Any
 
 import numpy as np
-import viser
 
 from grasp_core.camera import Camera
 from workbench import colours
 from workbench.bridge import Bridge
-from workbench.casting import plain, pose, put
+from workbench.casting import pose, put
 from workbench.inspector.orders import Sight
 from workbench.inspector.state import State
+from workbench.tabletop import furnish
 
 _MOST_POINTS = 40_000
 _AXES: dict[str, Any] = {"axes_length": 0.08, "axes_radius": 0.0015, "origin_radius": 0.003, "visible": False}
@@ -27,26 +27,7 @@ class Stage:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
-        scene.add_light_ambient(node("/light/all"), color=(255, 255, 255), intensity=0.75)
-        sun = viser.transforms.SO3.from_rpy_radians(0.45, 0.35, 0.0)
-        scene.add_light_directional(
-            node("/light/sun"), color=(255, 250, 240), intensity=1.9, cast_shadow=True, wxyz=plain(tuple(sun.wxyz))
-        )
-        scene.add_light_hemisphere(
-            node("/light/sky"), sky_color=(225, 235, 255), ground_color=(70, 66, 60), intensity=0.8
-        )
-        scene.add_box(
-            node("/table"),
-            color=colours.TABLE,
-            dimensions=(0.9, 0.9, 0.02),
-            position=(0, 0, -0.0105),
-            cast_shadow=False,
-        )
-        self._grid = scene.add_grid(
-            node("/grid"), 0.9, 0.9, cell_size=0.05, section_size=0.1, cell_color=(74, 79, 86),
-            section_color=(92, 98, 106), cell_thickness=0.6, section_thickness=1.0, position=(0, 0, 0.0003),
-            fade_distance=100.0,
-        )  # fmt: skip
+        self._grid = furnish(scene, node)
         self._world = scene.add_frame(node("/frames/world"), **_AXES)
         self._lens = scene.add_frame(node("/frames/camera"), **_AXES)
         self._camera = scene.add_camera_frustum(

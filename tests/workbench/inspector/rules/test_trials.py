@@ -95,6 +95,11 @@ def test_all_candidates_are_tried_one_after_the_other(shown, attempt):
     assert state.sweep is None and len(state.trials) == 3 and not state.trying
 
 
+def test_while_a_new_plan_is_made_the_job_says_that_it_waits_for_it(shown):
+    state, effects = run(replace(shown, making=2), a.TryAll())
+    assert effects[0].title == "A new plan is on its way" and state.sweep is None and not state.trying
+
+
 def test_the_job_can_be_cancelled(shown, attempt):
     state, _ = run(shown, a.TryAll(), a.StopTrying())
     state, effects = run(state, r.Tried(1, FIRST, tried(attempt, "SUCCESS")))
