@@ -76,7 +76,7 @@ class State:
         unsaved: decisions that could not be stored.
         trouble: why.
         saved: decisions of this visit that are on disk.
-        conflict: what waits for an answer.
+        conflicts: wait for an answer, the oldest first.
         bulk: likewise.
         busy: what the worker does for this browser.
         scoring: scenes scored and to score, while that runs.
@@ -103,7 +103,7 @@ class State:
     unsaved: tuple[Decision, ...] = ()
     trouble: str = ""
     saved: int = 0
-    conflict: Conflict | None = None
+    conflicts: tuple[Conflict, ...] = ()
     bulk: BulkAsk | None = None
     busy: str = ""
     scoring: tuple[int, int] | None = None

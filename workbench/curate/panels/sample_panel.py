@@ -70,14 +70,16 @@ READERS: dict[str, Reader] = {
 def trouble(state: State, bridge: Bridge) -> str:
     """What needs an answer before anything else: a conflict, decisions that are not saved; HTML."""
     found = ""
-    if state.conflict is not None:
-        theirs = "; ".join(event_words(event) for event in state.conflict.events)
-        mine = state.conflict.decision.decision
-        who = text(state.conflict.events[-1].person or "DART")
+    if state.conflicts:
+        conflict = state.conflicts[0]
+        theirs = "; ".join(event_words(event) for event in conflict.events)
+        mine = conflict.decision.decision
+        who = text(conflict.events[-1].person or "DART")
+        more = f" <small>{len(state.conflicts) - 1} more after this one.</small>" if len(state.conflicts) > 1 else ""
         buttons = bridge.button(f"Leave it to {who}", "cmine:no") + bridge.button("Store mine", "cmine:yes")
         found += (
             f'<div class="gw-error" data-conflict="1"><b>Changed meanwhile.</b> {text(theirs)}. You decided'
-            f' <b>{text(mine)}</b>, which is not stored.<div class="gw-bar gw-below">{buttons}</div></div>'
+            f' <b>{text(mine)}</b>, which is not stored.{more}<div class="gw-bar gw-below">{buttons}</div></div>'
         )
     if state.unsaved:
         found += (
