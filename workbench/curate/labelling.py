@@ -161,8 +161,18 @@ def _bulk_counted(action: a.BulkCounted, state: State) -> Result:
 
 @rule(a.AnswerBulk)
 def _answer_bulk(action: a.AnswerBulk, state: State) -> Result:
-    if state.bulk is None or not action.go:
+    if state.bulk is None or not action.go or state.relabelling is not None:
         return replace(state, bulk=None), ()
     ask = state.bulk
     relabel = e.Relabel(ask.query, ask.decision, ask.plan, state.person)
-    return replace(state, bulk=None, busy="relabelling"), (relabel,)
+    return replace(state, bulk=None, relabelling=(0, ask.plan.samples)), (relabel,)
+
+
+@rule(a.BulkMoved)
+def _bulk_moved(action: a.BulkMoved, state: State) -> Result:
+    return replace(state, relabelling=(action.done, action.total) if action.done < action.total else None), ()
+
+
+@rule(a.StopBulk)
+def _stop_bulk(action: a.StopBulk, state: State) -> Result:
+    return state, () if state.relabelling is None else (e.StopRelabel(state.person),)

@@ -79,6 +79,7 @@ class State:
         conflicts: wait for an answer, the oldest first.
         bulk: likewise.
         busy: what the worker does for this browser.
+        relabelling: samples done and to do of the bulk decision under way.
         scoring: scenes scored and to score, while that runs.
         review: that is gone through.
         item: the sample of it that is shown.
@@ -87,7 +88,9 @@ class State:
         facts: of the dataset, None before it is open.
         failure: why it cannot be opened.
         about: whose history is shown.
-        events: of that person.
+        events: of that person, newest first.
+        gone: ids of those of them that were taken back.
+        older: there are more.
     """
 
     person: str = ""
@@ -106,6 +109,7 @@ class State:
     conflicts: tuple[Conflict, ...] = ()
     bulk: BulkAsk | None = None
     busy: str = ""
+    relabelling: tuple[int, int] | None = None
     scoring: tuple[int, int] | None = None
     review: Review | None = None
     item: Item | None = None
@@ -115,6 +119,8 @@ class State:
     failure: str = ""
     about: str = ""
     events: tuple[LabelEvent, ...] = ()
+    gone: frozenset[int] = frozenset()
+    older: bool = False
 
     @property
     def blind(self) -> bool:

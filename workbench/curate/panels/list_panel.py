@@ -67,6 +67,7 @@ READERS: dict[str, Reader] = {
     "cturn": lambda argument: a.TurnPage(1 if int(argument) > 0 else -1),
     "cpick": lambda argument: a.Pick(int(argument)),
     "cbulk": _bulk,
+    "cstop": lambda argument: a.StopBulk(),
     "cdo": lambda argument: a.AnswerBulk(argument == "yes"),
     "copenview": lambda argument: a.OpenView(unquote(argument)),
     "csaveview": lambda argument: a.KeepView(read_value(argument)[1]),
@@ -95,6 +96,7 @@ def filters(state: State, bridge: Bridge) -> str:
     parts = [
         _select(bridge, "category", "category", "of the object", categories, query.category or ""),
         _text(bridge, "object", "object", "exact name of an object", query.object or ""),
+        _text(bridge, "scene", "scene", "exact name of a scene, as below the sample's image", query.scene or ""),
     ]
     for field, (name, hint, choices) in FILTERS.items():
         shown = _shown(field, getattr(query, field))
@@ -219,8 +221,13 @@ def _plain(query: Query) -> Query:
 
 def bulk(state: State, bridge: Bridge) -> str:
     """Decisions on the whole list, counted before they are made; HTML."""
-    if state.busy == "relabelling":
-        return '<div class="gw-words"><span class="gw-spin"></span>Relabelling …</div>'
+    if state.relabelling is not None:
+        done, total = state.relabelling
+        return (
+            f'<div class="gw-stages" data-relabelling="{done}"><i style="width:{100 * done / max(total, 1):.1f}%;'
+            f'background:#5aaaeb"></i></div><div class="gw-bar"><small>relabelled {done:,} of {total:,}</small>'
+            f"{bridge.button('Stop', 'cstop:', hint='no label is changed then')}</div>"
+        )
     if state.bulk is None:
         buttons = "".join(bridge.button(name, f"cbulk:{name}", hint="count first, then ask") for name in BULK)
         return f'<small>the whole list is</small><div class="gw-bar gw-small">{buttons}</div>'

@@ -180,7 +180,7 @@ def attempts(state: State, bridge: Bridge) -> str:
     )
     more = bridge.button("Verify: 5 more", "cverify:5", hint="run five more attempts in DART (V)", off=bool(state.busy))
     told = ""
-    if state.busy and state.busy != "relabelling":
+    if state.busy:
         told = f'<div class="gw-words"><span class="gw-spin"></span>{text(sentence(state.busy))}</div>'
     elif state.playing is not None:
         played = state.playing.played

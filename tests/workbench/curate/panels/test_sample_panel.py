@@ -64,7 +64,7 @@ def test_notes_cannot_smuggle_html(panel, client, state, store):
     panel.update(
         None, replace(state, conflicts=2 * (Conflict(Decision(2, 0.0), (event,)),), trouble="<b>x", unsaved=())
     )
-    assert "<script>" not in client.page()
+    assert "<script>" not in client.page() and "1 more after this one" in client.page()
 
 
 def test_keys_of_the_number_pad_edit(panel, client, state, posted):
