@@ -30,11 +30,12 @@ def entries(events: Iterable[LabelEvent], gone: Set[int], bridge: Bridge, *, sam
     """
     rows = []
     for event in sorted(events, key=lambda event: (event.at, event.id), reverse=True):
-        undo = "" if event.id in gone else bridge.button("revert", f"crevert:{event.id}", hint="take this event back")
+        look = "gw-gone" if event.id in gone else ""
+        undo = "" if look else bridge.button("revert", f"crevert:{event.id}", hint="take this event back")
         place = bridge.button(f"sample {event.grasp}", f"cpick:{event.grasp}") if samples else ""
         why = "".join(f"<br><small>{text(words)}</small>" for words in (event.reason, event.note) if words)
         rows.append(
-            f'<li class="{"gw-gone" if event.id in gone else ""}" data-event="{event.id}"><div><b>{text(event_words(event))}</b>'
+            f'<li class="{look}" data-event="{event.id}"><div><b>{text(event_words(event))}</b>'
             f" {text(change(event))}{why}<br><small>{moment(event)}</small></div><div>{place}{undo}</div></li>"
         )
     return f'<ol class="gw-events">{"".join(rows)}</ol>' if rows else '<div class="gw-empty">No event yet.</div>'
