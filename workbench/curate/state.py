@@ -10,7 +10,9 @@ from grasp_core.dataset.lists import Key
 from grasp_core.dataset.queries import Query
 from grasp_core.dataset.review import Item, Review
 from grasp_core.grasp import Grasp
+from grasp_core.simulation.recording import Recording
 from workbench.curate.values import Decision, Facts, Played, Sample, Shelf
+from workbench.playback import Replay
 
 START = Query(sort="id")
 """The list that a new browser opens on."""
@@ -34,28 +36,21 @@ class BulkAsk:
 
 
 @dataclass(frozen=True)
-class Playing:
+class Playing(Replay):
     """A replay.
 
     Attributes:
         grasp: id of the sample.
         played: what is shown.
-        position: seconds into it.
-        playing: whether time moves it.
-        at: clock of the last tick while playing.
     """
 
     grasp: int
     played: Played
-    position: float = 0.0
-    playing: bool = True
-    at: float | None = None
 
     @property
-    def duration(self) -> float:
-        """Seconds of the recording."""
-        times = self.played.recording.times
-        return float(times[-1] - times[0]) if len(times) else 0.0
+    def recording(self) -> Recording:
+        """What is played."""
+        return self.played.recording
 
 
 @dataclass(frozen=True)
