@@ -10,6 +10,7 @@ from workbench import colours
 from workbench.bridge import Bridge, Reader, read_value
 from workbench.casting import put, text
 from workbench.curate import actions as a
+from workbench.curate.panels.words import decision_words
 from workbench.curate.state import START, State
 from workbench.curate.values import Thumb
 
@@ -51,7 +52,6 @@ SORTS = {
     "changed": "last changed",
 }
 BULK: dict[str, float | str] = {"good": 1.0, "bad": 0.0, "unsure": "unsure", "exclude": "exclude", "flag": "flag"}
-WORDS = {1.0: "good", 0.0: "bad", "unsure": "unsure", "exclude": "excluded", "flag": "flagged"}
 
 
 def _bulk(argument: str) -> a.CountBulk:
@@ -189,7 +189,7 @@ def listing(state: State, bridge: Bridge) -> str:
         cards.append(
             f'<div class="gw-thumb gw-t{row.id}" data-sample="{row.id}" {bridge.onclick(f"cpick:{row.id}")}'
             f' title="{text(thumb.object)}: {row.successes}/{row.attempts} attempts"><img src="{thumb.picture}" alt="">'
-            f"{badge(thumb)}<span>{text(thumb.object)}{score}</span></div>"
+            f"{badge(thumb)}<span><em>{text(thumb.object)}</em>{score}</span></div>"
         )
     return f'<div class="gw-shelf" data-shelf="{len(cards)}" data-ticket="{state.ticket}">{"".join(cards)}</div>'
 
@@ -235,7 +235,7 @@ def bulk(state: State, bridge: Bridge) -> str:
     over = f" <b>{plan.human}</b> of them overrule a person's decision." if plan.human else ""
     return (
         f'<div class="gw-ask" data-bulk="{plan.samples}"><b>{plan.samples:,}</b> samples become'
-        f" <b>{text(WORDS.get(ask.decision, ask.decision))}</b>; {plan.changing:,} of them change.{over}"
+        f" <b>{text(decision_words(ask.decision))}</b>; {plan.changing:,} of them change.{over}"
         f'<div class="gw-bar gw-below">{bridge.button("Relabel them", "cdo:yes", look="gw-main")}'
         f"{bridge.button('Leave them', 'cdo:no')}</div></div>"
     )

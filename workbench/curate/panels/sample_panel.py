@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 
 from grasp_core.gripper import Gripper
@@ -11,7 +12,7 @@ from workbench.actions import Action
 from workbench.bridge import Bridge, Reader
 from workbench.casting import put, sentence, text
 from workbench.curate import actions as a
-from workbench.curate.panels.words import event_words
+from workbench.curate.panels.words import decision_words, event_words
 from workbench.curate.pictures import sample_svg
 from workbench.curate.state import State
 
@@ -73,7 +74,7 @@ def trouble(state: State, bridge: Bridge) -> str:
     if state.conflicts:
         conflict = state.conflicts[0]
         theirs = "; ".join(event_words(event) for event in conflict.events)
-        mine = conflict.decision.decision
+        mine = decision_words(conflict.decision.decision)
         who = text(conflict.events[-1].person or "DART")
         more = f" <small>{len(state.conflicts) - 1} more after this one.</small>" if len(state.conflicts) > 1 else ""
         buttons = bridge.button(f"Leave it to {who}", "cmine:no") + bridge.button("Store mine", "cmine:yes")
@@ -178,6 +179,8 @@ def attempts(state: State, bridge: Bridge) -> str:
         )
         for number, attempt in enumerate(sample.attempts)
     )
+    counts = Counter(attempt.outcome for attempt in sample.attempts)
+    ends = ", ".join(f"{count} {outcome.lower()}" for outcome, count in counts.most_common())
     more = bridge.button("Verify: 5 more", "cverify:5", hint="run five more attempts in DART (V)", off=bool(state.busy))
     told = ""
     if state.busy:
@@ -192,6 +195,7 @@ def attempts(state: State, bridge: Bridge) -> str:
     moved = ""
     if comfort is not None and not told:
         moved = f"<small>moved in the grip by {1000 * comfort[0]:.0f} mm, {math.degrees(comfort[1]):.0f}°</small>"
+    chips += f"<small>{ends}</small>"
     return f'<div class="gw-tries gw-wrap">{chips}</div><div class="gw-bar gw-small">{more}</div>{told}{moved}'
 
 
@@ -283,12 +287,14 @@ class SamplePanel:
         put(self._label, content=f'<div class="gw" data-decide="{sample.row.id}">{inner}</div>')
         put(self._note, value=new.note)
         note = bridge.button("Store the note", "cnote:", off=not new.note)
-        put(
-            self._tries,
-            content=f'<div class="gw"><div class="gw-bar gw-small">{note}</div>{attempts(new, bridge)}</div>',
-        )
+        tries = f'<div class="gw-bar gw-small">{note}</div>{attempts(new, bridge)}'
+        put(self._tries, content="" if new.edited is not None else f'<div class="gw">{tries}</div>')
         playing = new.playing
-        put(self._time, disabled=playing is None, max=1.0 if playing is None else max(0.01, round(playing.duration, 2)))
+        put(
+            self._time,
+            visible=playing is not None,
+            max=1.0 if playing is None else max(0.01, round(playing.duration, 2)),
+        )
         if playing is None or not playing.playing or abs(playing.position - self._time.value) >= 0.1:
             put(self._time, value=0.0 if playing is None else round(min(playing.position, self._time.max), 2))
         put(self._edit, content=f'<div class="gw">{editing(new, bridge)}</div>')

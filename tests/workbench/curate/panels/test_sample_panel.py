@@ -71,6 +71,9 @@ def test_keys_of_the_number_pad_edit(panel, client, state, posted):
     assert set(EDITS) == set("12346789")
     panel.update(None, replace(state, edited=state.sample.row.grasp))
     assert "data-editing" in client.page() and "Store and verify" in client.page()
+    assert "data-attempt" not in client.page() and not client.only("slider", "Replay s").visible  # there is room for it
+    panel.update(None, state)
+    assert "2 success" in client.page()
 
 
 @pytest.mark.parametrize(
