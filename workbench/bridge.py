@@ -384,6 +384,5 @@ class Bridge:
 
     def notify(self, tone: Tone, title: str, body: str) -> None:
         """Show a notification; errors stay until they are closed."""
-        self.client.add_notification(
-            title, body, auto_close_seconds=None if tone == "error" else 6.0, color=_TONES[tone]
-        )
+        seconds = {"error": None, "warning": 15.0}.get(tone, 6.0)
+        self.client.add_notification(title, body, auto_close_seconds=seconds, color=_TONES[tone])

@@ -156,6 +156,11 @@ class Database:
         with self._lock, self._explained():
             return self._db.execute(query, values).fetchall()
 
+    def each(self, query: str, values: Sequence[Any] = ()) -> Iterator[sqlite3.Row]:
+        """The rows of one reading query one by one; whoever stops early saves finding the others."""
+        with self._lock, self._explained():
+            yield from self._db.execute(query, values)
+
     def row(self, query: str, values: Sequence[Any] = ()) -> sqlite3.Row | None:
         """The first row of one reading query, or None."""
         with self._lock, self._explained():

@@ -1,19 +1,18 @@
 """Lists of samples: filters, sorting and pages that stay quick with a million of them.
 
-Pages are by key, not by offset: a page starts behind the last row of the one before. Three ways lead to a page. Few
-matching samples are read whole and sorted. Many are found by walking the sorted index until the page is full. Where the
-filters and the sorting work against each other, so that the walk gets long, all samples are looked through once.
+Pages are by key, not by offset: a page starts behind the last row of the one before. All matching samples are read and
+sorted where they are few. Where they are many, the page is found by walking the sorted index until it is full. Where
+filters and sorting work against each other, so that the walk gets long, the reading goes on to the end after all.
 """
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import msgspec
 
-from grasp_core.dataset.curation import Curation
-from grasp_core.dataset.queries import RANGES, Query
+from grasp_core.dataset.filters import FEW, Filters
+from grasp_core.dataset.queries import Query
 from grasp_core.dataset.rows import GraspRow
 from grasp_core.errors import StoreError
 
@@ -36,22 +35,58 @@ class Page(msgspec.Struct, frozen=True):
     total: int | None
 
 
-_COMMON = {"state": "labelled", "source": "dart"}
-"""What nearly all samples are: the other values have partial indices."""
+_WALK = 2_000
+"""Entries of a sorted index that are walked for a page before the other samples are read instead."""
 
-_FEW = 10_000
-"""So many matching samples are read whole; of a million, more are dense enough to walk an index."""
+_SURE_WALK = 40_000
+"""So many are walked where they are known to fill the page; walking more takes longer than reading everything."""
 
-_WALK = 10_000
-"""Entries of a sorted index that are walked for a page before all samples are looked through instead."""
-
-_OUTCOME_COLUMNS = {"SUCCESS": "successes", "COLLISION": "collisions", "MISSED": "missed", "SLIPPED": "slipped"}
-_NOT_BEYOND = str.maketrans("<>", "><")
 _SORT_COLUMNS = {"id": "grasp", "changed": "last_event"}
 """Sorts whose column is called otherwise."""
 
 
-class Lists(Curation):
+class _Selection:
+    """What a page is taken from, in SQL.
+
+    Attributes:
+        where: the filters, 1 where there are none.
+        values: that they bind.
+        name: of the column that is sorted by.
+        way: of sorting.
+        beyond: compares what comes later with what comes earlier.
+        after: the last key of the page before.
+        most: keys that are wanted.
+    """
+
+    def __init__(self, query: Query, where: list[str], values: list[Any], after: Key | None, most: int) -> None:
+        self.where = " AND ".join(where) or "1"
+        self.values = values
+        self.name = _SORT_COLUMNS.get(query.sort, query.sort)
+        self.way, self.beyond = ("DESC", "<") if query.descending else ("ASC", ">")
+        self.after = after
+        self.most = most
+
+    def along_index(self, columns: str, values: list[Any], until: float | None = None) -> tuple[str, list[Any]]:
+        """A query along the sorted index from where the page begins, and all that it binds.
+
+        Args:
+            columns: to select.
+            values: that they bind.
+            until: the last value to go to.
+        """
+        parts: list[tuple[str, list[Any]]] = [(f"{self.name} IS NOT NULL", [])]
+        if self.after is not None:  # one comparison of pairs would go along all samples of equal value
+            value, grasp = self.after
+            equal, later = f"{self.name} = ? AND grasp {self.beyond} ?", f"{self.name} {self.beyond} ?"
+            parts = [(equal, [value, grasp]), (later, [value])]
+        if until is not None:
+            parts = [(f"{part} AND ? {self.beyond}= {self.name}", [*given, until]) for part, given in parts]
+        begin = f"SELECT {columns} FROM samples INDEXED BY samples_{self.name} WHERE"
+        bound = [value for _, given in parts for value in (*values, *given)]
+        return " UNION ALL ".join(f"{begin} {part}" for part, _ in parts), bound
+
+
+class Lists(Filters):
     """The part of a store that lists samples."""
 
     def page(self, query: Query, *, size: int = 50, after: Key | None = None) -> Page:
@@ -67,51 +102,91 @@ class Lists(Curation):
         """
         if size < 1:
             raise StoreError(f"a page has at least 1 row, not {size}")
-        where, values = self.conditions(query)
-        column = "samples." + _SORT_COLUMNS.get(query.sort, query.sort)
-        total = None
-        keys = self._few(query, column, where, values) if where else None
-        if keys is not None:
-            total = len(keys)
-            keys = [key for key in keys if key[0] is not None]
-            if after is not None:
-                keys = [key for key in keys if (key < after if query.descending else key > after)]
-            keys.sort(reverse=query.descending)
-        else:
-            keys = self._many(query, column, where, values, size + 1, after)
-        shown = [grasp for _, grasp in keys[:size]]
-        found = {row.id: row for row in self.grasp_rows(f"WHERE grasps.id IN ({','.join('?' * len(shown))})", shown)}
-        rest = (float(keys[size - 1][0]), shown[-1]) if len(keys) > size else None
-        return Page([found[grasp] for grasp in shown], rest, total)
+        where, values = self.conditions(query, part=True)
+        chosen = _Selection(query, where, values, after, size + 1)
+        total, last, keys = self._first(chosen) if where else (None, 0, [])
+        if total is None:
+            if query.sort == "id":
+                keys = self._next(chosen)
+            else:
+                walked = self._walk(chosen, self._steps(chosen, keys) if where else size + 1)
+                if walked is None:
+                    chosen = _Selection(query, *self.conditions(query), after, size + 1)
+                    walked = self._all(chosen, keys, last)
+                keys = walked
+        ids = [grasp for _, grasp in keys[:size]]
+        found = {row.id: row for row in self.grasp_rows(f"WHERE grasps.id IN ({','.join('?' * len(ids))})", ids)}
+        rest = (float(keys[size - 1][0]), ids[-1]) if len(keys) > size else None
+        return Page([found[grasp] for grasp in ids], rest, total)
 
-    def _few(self, query: Query, column: str, where: list[str], values: list[Any]) -> list[Key] | None:
-        """The keys of all samples that the filters select, in any order, or None where they are many."""
-        clause = f"WHERE {' AND '.join(where)} LIMIT {_FEW}"
-        found = self.rows(f"SELECT {column}, samples.grasp FROM samples {clause}", values)
-        return [(row[0], row[1]) for row in found] if len(found) < _FEW else None
+    def _keys(self, sql: str, values: list[Any]) -> list[Key]:
+        return [(row[0], row[1]) for row in self.rows(sql, values)]
 
-    def _many(
-        self, query: Query, column: str, where: list[str], values: list[Any], most: int, after: Key | None
-    ) -> list[Key]:
-        """The first `most` keys behind `after`."""
-        way, beyond = ("DESC", "<") if query.descending else ("ASC", ">")
-        given = [] if after is None else list(after)
+    def _first(self, chosen: _Selection) -> tuple[int | None, int, list[Key]]:
+        """Look at the first `FEW` samples by id that the filters select.
 
-        def select(table: str, key: str, filters: list[str], limit: str) -> str:
-            behind = [] if after is None else [f"({key}, samples.grasp) {beyond} (?, ?)"]
-            rows = f"FROM samples {table} WHERE {' AND '.join([*filters, f'{key} IS NOT NULL', *behind])}"
-            return f"SELECT {key}, samples.grasp {rows} ORDER BY {key} {way}, samples.grasp {way} LIMIT {limit}"
+        Returns:
+            How many they are, None where there are more; the id of the last one; the first keys of the page among them.
+        """
+        way, highest = chosen.way, "min" if chosen.way == "DESC" else "max"
+        behind, given = ("1", []) if chosen.after is None else (f"(value, grasp) {chosen.beyond} (?, ?)", chosen.after)
+        found = self.rows(
+            f"""WITH first AS MATERIALIZED (SELECT samples.{chosen.name} AS value, grasp FROM samples
+                    WHERE {chosen.where} ORDER BY samples.grasp {way} LIMIT {FEW}),
+                shown AS (SELECT value, grasp FROM first WHERE value IS NOT NULL AND {behind}
+                    ORDER BY value {way}, grasp {way} LIMIT {chosen.most})
+                SELECT NULL AS value, count(*) AS grasp, ifnull({highest}(grasp), 0) AS last FROM first
+                UNION ALL SELECT value, grasp, NULL FROM shown""",
+            [*chosen.values, *given],
+        )
+        count, last = next((row["grasp"], row["last"]) for row in found if row["value"] is None)
+        keys = [(row["value"], row["grasp"]) for row in found if row["value"] is not None]
+        return count if count < FEW else None, last, sorted(keys, reverse=way == "DESC")
 
-        if query.sort == "id":
-            found = self.rows(select("NOT INDEXED", column, where, f"{most}"), [*values, *given])
-        else:
-            index = f"INDEXED BY samples_{_SORT_COLUMNS.get(query.sort, query.sort)}"
-            end = self.row(select(index, column, [], f"1 OFFSET {_WALK}"), given) if where else None
-            until = [] if end is None else [f"({column}, samples.grasp) {beyond.translate(_NOT_BEYOND)}= (?, ?)"]
-            found = self.rows(select(index, column, [*where, *until], f"{most}"), [*values, *(end or ()), *given])
-            if end is not None and len(found) < most:
-                found = self.rows(select("", f"+{column}", where, f"{most}"), [*values, *given])
-        return [(row[0], row[1]) for row in found]
+    def _next(self, chosen: _Selection) -> list[Key]:
+        """The keys of a list that is sorted by id."""
+        behind, given = ("", []) if chosen.after is None else (f"AND grasp {chosen.beyond} ?", [chosen.after[1]])
+        rows = f"FROM samples WHERE {chosen.where} {behind} ORDER BY grasp {chosen.way} LIMIT {chosen.most}"
+        return self._keys(f"SELECT grasp, grasp {rows}", [*chosen.values, *given])
+
+    def _steps(self, chosen: _Selection, known: list[Key]) -> int:
+        """How far to walk along the sorted index: to the last of a full page of known keys where that is not far."""
+        if len(known) < chosen.most:
+            return _WALK
+        sql, given = chosen.along_index("1", [], known[-1][0])
+        steps = self.rows(f"SELECT count(*) FROM ({sql} LIMIT {_SURE_WALK + 1})", given)[0][0]
+        return int(steps) if steps <= _SURE_WALK else _WALK
+
+    def _walk(self, chosen: _Selection, steps: int) -> list[Key] | None:
+        """The keys of a list along its sorted index, or None where more than `steps` would be needed."""
+        sql, given = chosen.along_index(f"{chosen.name}, grasp, {chosen.where}", chosen.values)
+        keys: list[Key] = []
+        left = steps
+        for value, grasp, passes in self.each(f"{sql} ORDER BY 1 {chosen.way}, 2 {chosen.way} LIMIT {steps}", given):
+            left -= 1
+            if passes:
+                keys.append((value, grasp))
+                if len(keys) == chosen.most:
+                    return keys
+        return keys if left else None
+
+    def _all(self, chosen: _Selection, known: list[Key], last: int) -> list[Key]:
+        """The keys of a list of which those up to the id `last` are known, by reading all others.
+
+        Only what sorts before the last of the known keys can still be shown: so hardly anything has to be sorted.
+        """
+        column, way, beyond = f"+samples.{chosen.name}", chosen.way, chosen.beyond
+        limits = [f"samples.grasp {beyond} ?", f"{column} IS NOT NULL"]
+        given: list[float] = [last]
+        if chosen.after is not None:
+            limits.append(f"({column}, samples.grasp) {beyond} (?, ?)")
+            given += chosen.after
+        if len(known) == chosen.most:
+            limits.append(f"(?, ?) {beyond} ({column}, samples.grasp)")
+            given += known[-1]
+        rows = f"FROM samples WHERE {' AND '.join([chosen.where, *limits])} ORDER BY 1 {way}, 2 {way}"
+        others = self._keys(f"SELECT {column}, samples.grasp {rows} LIMIT {chosen.most}", [*chosen.values, *given])
+        return sorted([*known, *others], reverse=way == "DESC")
 
     def count(self, query: Query, *, most: int | None = None) -> int:
         """How many samples a query selects (its sorting leaves none out); with `most`, counting ends there."""
@@ -125,63 +200,3 @@ class Lists(Curation):
         where, values = self.conditions(query)
         found = self.rows(f"SELECT grasp FROM samples WHERE {' AND '.join(where) or '1'} ORDER BY grasp", values)
         return [int(row["grasp"]) for row in found]
-
-    def conditions(self, query: Query) -> tuple[list[str], list[Any]]:
-        """The filters of a query as SQL conditions on `samples`, and the values that they bind.
-
-        A unary plus keeps SQLite from using an index that selects many samples: looking them up one by one would take
-        longer than looking through all.
-        """
-        where: list[str] = []
-        values: list[Any] = []
-
-        def add(condition: str, *given: Any) -> None:
-            where.append(condition)
-            values.extend(given)
-
-        def add_range(condition: str, *given: Any) -> None:
-            inner = f"SELECT 1 FROM samples WHERE {condition} LIMIT {_FEW}"
-            found = self.row(f"SELECT count(*) FROM ({inner})", given)
-            add(condition if found is not None and found[0] < _FEW else f"+{condition}", *given)
-
-        if query.split is not None:
-            add("+samples.split = ?", query.split)
-        for field in ("state", "source"):
-            if (value := getattr(query, field)) is not None:
-                # checked by the settings type; written out because partial indices do not see bound values
-                add(
-                    f"samples.{field} = '{value}' AND samples.{field} <> '{_COMMON[field]}'"
-                    if value != _COMMON[field]
-                    else f"+samples.{field} = '{value}'"
-                )
-        for field, value in (("category", query.category), ("name", query.object)):
-            if value is not None:
-                add(f"samples.object IN (SELECT id FROM objects WHERE {field} = ?)", value)
-        if query.scene is not None:
-            add("samples.scene = (SELECT id FROM scenes WHERE name = ?)", query.scene)
-        if query.outcome is not None:
-            add_range(f"samples.{_OUTCOME_COLUMNS[query.outcome]} > 0")
-        for field in RANGES:
-            if (bounds := getattr(query, field)) is not None:
-                add_range(f"samples.{field} BETWEEN ? AND ?", *bounds)
-        if query.flagged is not None:
-            add("samples.flagged = 1" if query.flagged else "+samples.flagged = 0")
-        if query.person is not None:
-            add(
-                "samples.grasp IN (SELECT grasp FROM label_events WHERE person ="
-                " (SELECT id FROM people WHERE name = ?))",
-                query.person,
-            )
-        if query.origin is not None:
-            rare = "" if query.origin == "grid" else " AND origin <> 'grid'"
-            add(f"samples.grasp IN (SELECT id FROM grasps WHERE origin = '{query.origin}'{rare})")
-        if query.text is not None:
-            words = re.findall(r"\w+", query.text)
-            if words:
-                match = " ".join(f'"{word}"' for word in words) + "*"
-                add(
-                    "samples.grasp IN (SELECT grasp FROM label_events WHERE id IN (SELECT rowid FROM notes WHERE notes"
-                    " MATCH ?))",
-                    match,
-                )
-        return where, values

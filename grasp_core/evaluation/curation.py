@@ -17,6 +17,8 @@ from grasp_core.dataset.undo import undo
 
 FILTERS: dict[str, dict] = {
     "split": {"split": "validation"},
+    "largest split": {"split": "train"},
+    "made by the grid": {"origin": "grid"},
     "category": {"category": "category_07"},
     "object": {"object": "thing_00012"},
     "scene": {"scene": "scene_00012"},

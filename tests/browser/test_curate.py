@@ -272,7 +272,7 @@ def test_a_conflict_shows_both_and_asks(person, store, mine):
     ann.key("b")
     ann.page.wait_for_selector("[data-conflict]")
     words = ann.page.locator("[data-conflict]").inner_text()
-    assert "bob set 1" in words and "You decided 0" in words
+    assert "bob set 1" in words and "You decided bad" in words
     assert store.grasp(240).label == 1.0
     ann.page.get_by_role("button", name="Store mine" if mine else "Leave it to bob").click()
     ann.page.wait_for_selector("[data-conflict]", state="detached")

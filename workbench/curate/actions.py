@@ -192,6 +192,11 @@ class AnswerBulk(CurateAction):
 
 
 @dataclass(frozen=True)
+class StopBulk(CurateAction):
+    """Stop the bulk decision that is under way."""
+
+
+@dataclass(frozen=True)
 class StartReview(CurateAction):
     """Make a queue and go through it."""
 
@@ -223,6 +228,11 @@ class ShowPerson(CurateAction):
     """The history of a person; "" hides it."""
 
     name: str
+
+
+@dataclass(frozen=True)
+class OlderEvents(CurateAction):
+    """More of the history of the person that is shown."""
 
 
 @dataclass(frozen=True)
@@ -314,6 +324,14 @@ class BulkCounted(CurateAction):
 
 
 @dataclass(frozen=True)
+class BulkMoved(CurateAction):
+    """So many samples of a bulk decision have it; once all have, it is on disk."""
+
+    done: int
+    total: int
+
+
+@dataclass(frozen=True)
 class ReplayShown(CurateAction):
     """A stored attempt was executed again."""
 
@@ -339,10 +357,21 @@ class FactsShown(CurateAction):
 
 @dataclass(frozen=True)
 class PersonShown(CurateAction):
-    """A person's newest label events."""
+    """A person's label events, newest first.
+
+    Attributes:
+        name: of the person.
+        events: a page of them.
+        gone: ids of those that were taken back.
+        more: there are older ones.
+        before: the event that the page begins behind, None for the newest.
+    """
 
     name: str
     events: tuple[LabelEvent, ...]
+    gone: frozenset[int] = frozenset()
+    more: bool = False
+    before: int | None = None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from grasp_core.dataset.archive import shipped_archives
 from grasp_core.dataset.bulk import label_all, plan_bulk
 from grasp_core.dataset.database import FILE
 from grasp_core.dataset.exchange import event_lines, import_events
-from grasp_core.dataset.labels import LabelConflict
+from grasp_core.dataset.labels import LabelConflict, standing
 from grasp_core.dataset.queries import Query
 from grasp_core.dataset.rectangle import add_edited
 from grasp_core.dataset.review import answer, item_at, next_item, review, reviews, skip, start_review
@@ -33,6 +33,7 @@ from grasp_core.gripper import Gripper
 from workbench.actions import Download
 from workbench.curate import actions as a
 from workbench.curate import effects as e
+from workbench.curate.organising import RELABELLING
 from workbench.curate.pictures import coloured, crop_picture, thumbnail
 from workbench.curate.values import Facts, Sample, Shelf, Thumb
 from workbench.view import Post
@@ -41,6 +42,9 @@ log = logging.getLogger("workbench")
 
 PAGE = 24
 """Samples of a page."""
+
+EVENTS = 60
+"""Label events of a person that are read at once."""
 
 
 class Desk:
@@ -61,6 +65,7 @@ class Desk:
         self._gripper = gripper
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store: DatasetStore | None = None
+        self._stopped: set[str] = set()
         self._picture = lru_cache(maxsize=64)(self._read_picture)
 
     def close(self) -> None:
@@ -74,6 +79,9 @@ class Desk:
 
     def perform(self, post: Post, effect: Any) -> bool:
         """Start doing an effect; False when it belongs to others."""
+        if isinstance(effect, e.StopRelabel):
+            self._stopped.add(effect.person)
+            return True
         work = _WORK.get(type(effect))
         if work is None:
             return False
@@ -222,14 +230,20 @@ class Desk:
         post(a.BulkCounted(effect.query, effect.decision, plan))
 
     def _relabel(self, post: Post, effect: e.Relabel) -> None:
-        bulk = label_all(
-            self.store,
-            effect.query,
-            effect.person,
-            effect.decision,  # type: ignore[arg-type]
-            effect.plan,
-            reason="relabelled in bulk in the workbench",
-        )
+        try:
+            bulk = label_all(
+                self.store,
+                effect.query,
+                effect.person,
+                effect.decision,  # type: ignore[arg-type]
+                effect.plan,
+                reason="relabelled in bulk in the workbench",
+                progress=lambda done, total: post(a.BulkMoved(min(done, total - 1), total)),
+                cancelled=lambda: effect.person in self._stopped,
+            )
+        finally:
+            self._stopped.discard(effect.person)
+        post(a.BulkMoved(bulk.events, bulk.events))
         post(a.Changed(f"{bulk.events} samples were relabelled; one undo (Z) takes all of them back.", whole=True))
 
     def _make_review(self, post: Post, effect: e.MakeReview) -> None:
@@ -250,7 +264,13 @@ class Desk:
         self._load_facts(post, e.LoadFacts(effect.person))
 
     def _load_person(self, post: Post, effect: e.LoadPerson) -> None:
-        post(a.PersonShown(effect.name, tuple(self.store.events_of(effect.name, limit=60))))
+        found = self.store.events_of(effect.name, before=effect.before, limit=EVENTS + 1)
+        shown = tuple(found[:EVENTS])
+        stand = {
+            event.id for grasp in {event.grasp for event in shown} for event in standing(self.store.history(grasp))
+        }
+        gone = frozenset(event.id for event in shown) - stand
+        post(a.PersonShown(effect.name, shown, gone, len(found) > EVENTS, effect.before))
 
     def _export(self, post: Post, effect: e.Export) -> None:
         content = b"".join(msgspec.json.encode(line) + b"\n" for line in event_lines(self.store))
@@ -286,7 +306,7 @@ _TITLES: dict[type, str] = {
     e.LoadFacts: "The dataset cannot be opened",
     e.LoadShelf: "The list cannot be read",
     e.LoadSample: "The sample cannot be read",
-    e.Relabel: "Nothing was relabelled",
+    e.Relabel: RELABELLING,
     e.MakeReview: "No review was made",
     e.StoreGrasp: "The rectangle was not stored",
     e.Import: "Nothing was imported",

@@ -88,6 +88,13 @@ class Relabel(Effect):
 
 
 @dataclass(frozen=True)
+class StopRelabel(Effect):
+    """Stop a person's bulk decision that is under way; no label is changed then."""
+
+    person: str
+
+
+@dataclass(frozen=True)
 class MakeReview(Effect):
     """Choose and store a queue."""
 
@@ -138,9 +145,10 @@ class ScoreMore(Effect):
 
 @dataclass(frozen=True)
 class LoadPerson(Effect):
-    """Read a person's events."""
+    """Read a person's events, newest first, those before the event `before` if given."""
 
     name: str
+    before: int | None = None
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from grasp_core.dataset.review import Item
 from workbench.actions import Effect, Notice
 from workbench.curate import actions as a
 from workbench.curate import effects as e
@@ -28,7 +29,7 @@ def decide(state: State, what: float | str, *, stay: bool) -> Result:
     if (told := nameless(state)) is not None:
         return told
     sample, item = state.sample, state.item
-    if sample is None or state.conflict is not None or sample.row.id != state.wanted:
+    if sample is None or state.conflicts or sample.row.id != state.wanted:
         return state, ()  # a held key must not decide twice
     review, place = (None, 0) if item is None else (item.review, item.place)
     decision = Decision(sample.row.id, what, state.note, sample.seen, review, place)
@@ -97,22 +98,28 @@ def _retry(action: a.Retry, state: State) -> Result:
 
 @rule(a.Conflicted)
 def _conflicted(action: a.Conflicted, state: State) -> Result:
-    state = replace(
-        state, pending=_without(state.pending, action.decision), conflict=Conflict(action.decision, action.events)
-    )
-    return show(state, action.decision.grasp)
+    pending, met = _without(state.pending, action.decision), Conflict(action.decision, action.events)
+    state = replace(state, pending=pending, conflicts=(*state.conflicts, met))
+    return show(state, state.conflicts[0].decision.grasp)
 
 
 @rule(a.Resolve)
 def _resolve(action: a.Resolve, state: State) -> Result:
-    if state.conflict is None:
+    if not state.conflicts:
         return state, ()
-    decision, events = state.conflict.decision, state.conflict.events
-    state = replace(state, conflict=None)
-    if not action.mine:
-        return show(state, decision.grasp)
-    again = replace(decision, seen=max(event.id for event in events))
-    return replace(state, pending=(*state.pending, again)), (e.Save(again, state.person),)
+    decision, events = state.conflicts[0].decision, state.conflicts[0].events
+    state = replace(state, conflicts=state.conflicts[1:])
+    effects: tuple[Effect, ...] = ()
+    if action.mine:
+        again = replace(decision, seen=max(event.id for event in events))
+        state, effects = replace(state, pending=(*state.pending, again)), (e.Save(again, state.person),)
+    if state.conflicts or state.review is None:
+        state, more = show(state, (state.conflicts[0].decision if state.conflicts else decision).grasp)
+        return state, (*effects, *more)
+    left = None  # the review goes on; what was left to a colleague is not asked again
+    if not action.mine and decision.review is not None:
+        left = Item(decision.review, decision.place, decision.grasp, False)
+    return replace(state, wanted=None), (*effects, e.LoadNext(state.review.id, left))
 
 
 @rule(a.TakeBack)
@@ -154,8 +161,18 @@ def _bulk_counted(action: a.BulkCounted, state: State) -> Result:
 
 @rule(a.AnswerBulk)
 def _answer_bulk(action: a.AnswerBulk, state: State) -> Result:
-    if state.bulk is None or not action.go:
+    if state.bulk is None or not action.go or state.relabelling is not None:
         return replace(state, bulk=None), ()
     ask = state.bulk
     relabel = e.Relabel(ask.query, ask.decision, ask.plan, state.person)
-    return replace(state, bulk=None, busy="relabelling"), (relabel,)
+    return replace(state, bulk=None, relabelling=(0, ask.plan.samples)), (relabel,)
+
+
+@rule(a.BulkMoved)
+def _bulk_moved(action: a.BulkMoved, state: State) -> Result:
+    return replace(state, relabelling=(action.done, action.total) if action.done < action.total else None), ()
+
+
+@rule(a.StopBulk)
+def _stop_bulk(action: a.StopBulk, state: State) -> Result:
+    return state, () if state.relabelling is None else (e.StopRelabel(state.person),)

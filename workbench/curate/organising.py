@@ -15,6 +15,9 @@ from workbench.curate.state import State
 SCORING = "The dataset could not be scored"
 """Title of the failure that ends scoring."""
 
+RELABELLING = "Nothing was relabelled"
+"""Title of the failure that ends a bulk decision."""
+
 
 @rule(a.KeepView)
 def _keep_view(action: a.KeepView, state: State) -> Result:
@@ -73,12 +76,22 @@ def _facts_shown(action: a.FactsShown, state: State) -> Result:
 
 @rule(a.ShowPerson)
 def _show_person(action: a.ShowPerson, state: State) -> Result:
-    return replace(state, about=action.name, events=()), (e.LoadPerson(action.name),) if action.name else ()
+    state = replace(state, about=action.name, events=(), older=False)
+    return state, (e.LoadPerson(action.name),) if action.name else ()
+
+
+@rule(a.OlderEvents)
+def _older_events(action: a.OlderEvents, state: State) -> Result:
+    return state, (e.LoadPerson(state.about, state.events[-1].id),) if state.older else ()
 
 
 @rule(a.PersonShown)
 def _person_shown(action: a.PersonShown, state: State) -> Result:
-    return (replace(state, events=action.events) if action.name == state.about else state), ()
+    known = state.events if action.before is not None else ()
+    if action.name != state.about or (known and known[-1].id != action.before):
+        return state, ()
+    gone = action.gone | (state.gone if known else frozenset())
+    return replace(state, events=(*known, *action.events), gone=gone, older=action.more), ()
 
 
 @rule(a.ExportEvents)
@@ -101,5 +114,6 @@ def _failed(action: a.Failed, state: State) -> Result:
     if state.facts is None:  # the dataset cannot be opened: the list says so
         return replace(state, busy="", loading=False, failure=action.reason), ()
     scoring = None if action.title == SCORING else state.scoring
-    state = replace(state, busy="", loading=False, scoring=scoring)
+    relabelling = None if action.title == RELABELLING else state.relabelling
+    state = replace(state, busy="", loading=False, scoring=scoring, relabelling=relabelling)
     return state, (Notice("error", action.title, action.reason),)

@@ -10,7 +10,9 @@ from grasp_core.dataset.lists import Key
 from grasp_core.dataset.queries import Query
 from grasp_core.dataset.review import Item, Review
 from grasp_core.grasp import Grasp
+from grasp_core.simulation.recording import Recording
 from workbench.curate.values import Decision, Facts, Played, Sample, Shelf
+from workbench.playback import Replay
 
 START = Query(sort="id")
 """The list that a new browser opens on."""
@@ -34,28 +36,21 @@ class BulkAsk:
 
 
 @dataclass(frozen=True)
-class Playing:
+class Playing(Replay):
     """A replay.
 
     Attributes:
         grasp: id of the sample.
         played: what is shown.
-        position: seconds into it.
-        playing: whether time moves it.
-        at: clock of the last tick while playing.
     """
 
     grasp: int
     played: Played
-    position: float = 0.0
-    playing: bool = True
-    at: float | None = None
 
     @property
-    def duration(self) -> float:
-        """Seconds of the recording."""
-        times = self.played.recording.times
-        return float(times[-1] - times[0]) if len(times) else 0.0
+    def recording(self) -> Recording:
+        """What is played."""
+        return self.played.recording
 
 
 @dataclass(frozen=True)
@@ -76,9 +71,10 @@ class State:
         unsaved: decisions that could not be stored.
         trouble: why.
         saved: decisions of this visit that are on disk.
-        conflict: what waits for an answer.
+        conflicts: wait for an answer, the oldest first.
         bulk: likewise.
         busy: what the worker does for this browser.
+        relabelling: samples done and to do of the bulk decision under way.
         scoring: scenes scored and to score, while that runs.
         review: that is gone through.
         item: the sample of it that is shown.
@@ -87,7 +83,9 @@ class State:
         facts: of the dataset, None before it is open.
         failure: why it cannot be opened.
         about: whose history is shown.
-        events: of that person.
+        events: of that person, newest first.
+        gone: ids of those of them that were taken back.
+        older: there are more.
     """
 
     person: str = ""
@@ -103,9 +101,10 @@ class State:
     unsaved: tuple[Decision, ...] = ()
     trouble: str = ""
     saved: int = 0
-    conflict: Conflict | None = None
+    conflicts: tuple[Conflict, ...] = ()
     bulk: BulkAsk | None = None
     busy: str = ""
+    relabelling: tuple[int, int] | None = None
     scoring: tuple[int, int] | None = None
     review: Review | None = None
     item: Item | None = None
@@ -115,6 +114,8 @@ class State:
     failure: str = ""
     about: str = ""
     events: tuple[LabelEvent, ...] = ()
+    gone: frozenset[int] = frozenset()
+    older: bool = False
 
     @property
     def blind(self) -> bool:

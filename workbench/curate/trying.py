@@ -35,7 +35,7 @@ def _replay(action: a.ReplayAttempt, state: State) -> Result:
         return state, ()
     playing = state.playing
     if playing is not None and playing.played.number == action.number:
-        return replace(state, playing=replace(playing, position=0.0, playing=True, at=None)), ()
+        return replace(state, playing=Playing(playing.grasp, playing.played)), ()
     return replace(state, busy="replaying", edited=None), (e.PlayAttempt(state.sample.row.id, action.number),)
 
 
@@ -49,33 +49,19 @@ def _replay_shown(action: a.ReplayShown, state: State) -> Result:
 
 @rule(a.TogglePlay)
 def _toggle_play(action: a.TogglePlay, state: State) -> Result:
-    playing = state.playing
-    if playing is None:
-        return state, ()
-    ended = playing.position >= playing.duration - 1e-9
-    position = 0.0 if ended and not playing.playing else playing.position
-    return replace(state, playing=replace(playing, playing=not playing.playing, position=position, at=None)), ()
+    return (state if state.playing is None else replace(state, playing=state.playing.toggled())), ()
 
 
 @rule(a.Seek)
 def _seek(action: a.Seek, state: State) -> Result:
-    if state.playing is None:
-        return state, ()
-    position = min(max(action.time, 0.0), state.playing.duration)
-    return replace(state, playing=replace(state.playing, position=position, playing=False, at=None)), ()
+    return (state if state.playing is None else replace(state, playing=state.playing.sought(action.time))), ()
 
 
 @rule(Tick)
 def _tick(action: Tick, state: State) -> Result:
-    playing = state.playing
-    if playing is None or not playing.playing:
+    if state.playing is None or not state.playing.playing:
         return state, ()
-    position = playing.position + (0.0 if playing.at is None else max(0.0, action.now - playing.at))
-    ended = position >= playing.duration
-    moved = replace(
-        playing, position=min(position, playing.duration), playing=not ended, at=None if ended else action.now
-    )
-    return replace(state, playing=moved), ()
+    return replace(state, playing=state.playing.ticked(action.now)), ()
 
 
 @rule(a.EndEdit)

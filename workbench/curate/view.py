@@ -91,11 +91,10 @@ class Curation:
         told: tuple[Effect, ...] = ()
         pick: int | None = 0
         if shown:
-            try:
-                state = _arrived(state, query)
-                pick = None if state.wanted is not None else 0
-            except (ValueError, GraspError) as error:
-                told = (Notice("warning", "This link names an impossible list", str(error)),)
+            state, refused = _arrived(state, query)
+            pick = None if state.wanted is not None else 0
+            if refused:
+                told = (Notice("warning", "A part of this link was left out", "; ".join(refused)),)
         elif state.shelf is not None:
             return state, ()
         state, effects = list_again(state, pick)
@@ -123,7 +122,8 @@ class Curation:
 
     def keep(self, state: State) -> Mapping[str, Any]:
         """See `View`."""
-        held = (*state.unsaved, *state.pending)[:_MOST_KEPT]
+        asked = (conflict.decision for conflict in state.conflicts)
+        held = (*state.unsaved, *asked, *state.pending)[:_MOST_KEPT]
         return {"person": state.person, "unsaved": msgspec.to_builtins(held)}
 
     def show(self, bridge: Bridge, state: State) -> Part:
@@ -178,24 +178,25 @@ def _rule_of(path: Path) -> DepthRule:
         return DepthRule()
 
 
-def _arrived(state: State, query: Mapping[str, str]) -> State:
-    """The state that a link asks for.
-
-    Raises:
-        ValueError: a value that cannot be.
-        GraspError: likewise.
-    """
+def _arrived(state: State, query: Mapping[str, str]) -> tuple[State, list[str]]:
+    """The state that a link asks for, and what is wrong with words that were left out."""
     fields: dict[str, Any] = {}
+    refused = []
     for field in Query.__struct_fields__:
         if field in query:
             text = query[field]
-            fields[field] = text.split("..") if field in RANGES else text == "yes" if field in _FLAGS else text
-    wanted = state.wanted
-    if "sample" in query:
-        wanted = int(query["sample"])
+            value = text.split("..") if field in RANGES else text == "yes" if field in _FLAGS else text
+            try:
+                fields[field] = getattr(msgspec.convert({field: value}, Query, strict=False), field)
+            except (msgspec.ValidationError, GraspError) as error:
+                refused.append(f"{field}: {error}")
+    if "sample" in query and not (query["sample"].isdecimal() and int(query["sample"]) < 2**63):
+        refused.append(f"sample: '{query['sample'][:40]}' is no number of a sample")
+    elif "sample" in query:
+        state = replace(state, wanted=int(query["sample"]))
     if fields:
-        state = replace(state, query=msgspec.convert(fields, Query, strict=False), keys=(None,))
-    return replace(state, wanted=wanted)
+        state = replace(state, query=Query(**fields), keys=(None,))
+    return state, refused
 
 
 _FLAGS = ("flagged", "descending")

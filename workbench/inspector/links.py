@@ -50,19 +50,38 @@ def is_link(query: Mapping[str, str]) -> bool:
     return bool({"object", "image", "place", "pose", "at", "select", *FIELDS} & set(query))
 
 
-def follow(state: State, query: Mapping[str, str]) -> State:
-    """The state that a link asks for; the scene of it is still to be made.
+def follow(state: State, query: Mapping[str, str]) -> tuple[State, list[str]]:
+    """The state that a link asks for, its scene still to be made, and what is wrong with words that were left out."""
+    refused: list[str] = []
+    while True:
+        try:
+            return (_followed(state, query) if is_link(query) else state), refused
+        except ValueError as error:
+            name = str(error).partition(":")[0]
+            refused.append(str(error))
+            query = {word: value for word, value in query.items() if word != name}
+
+
+def _followed(state: State, query: Mapping[str, str]) -> State:
+    """The state that a link asks for.
 
     Raises:
-        ValueError: a word of the link has a value that it cannot have; the message names it.
+        ValueError: a word of the link has a value that it cannot have; the message begins with it.
     """
-    setup = decoded({name: query[name] for name in FIELDS if name in query})
+    setup = decoded({name: _setting(name, query[name]) for name in FIELDS if name in query})
     request = _photo(query) if "image" in query else _things(query)
     wanted = None
     if "select" in query:
         side, _, index = query["select"].partition(".")
         wanted = Choice(_number("select", side, 1), _number("select", index, 999))
     return replace(state, setup=setup, request=request, wanted=wanted)
+
+
+def _setting(name: str, value: str) -> Any:
+    try:
+        return getattr(decoded({name: value}), name)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from error
 
 
 def _things(query: Mapping[str, str]) -> SceneRequest:

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grasp_core.planning.planner import Candidate, Plan
+from grasp_core.simulation.recording import Recording
 from workbench.inspector.orders import Catalogue, Choice, Item, Judgement, OpenedScene, Photo, Place, SceneRequest, Try
 from workbench.inspector.poses import matrix
 from workbench.inspector.setup import DEFAULT, Setup
+from workbench.playback import Replay
 
 Layer = Literal["candidates", "camera", "contacts", "frames", "grid", "points"]
 LAYERS: tuple[Layer, ...] = ("candidates", "camera", "contacts", "frames", "grid", "points")
@@ -23,30 +25,21 @@ Mode = Literal["slide", "free"]
 
 
 @dataclass(frozen=True)
-class Playback:
+class Playback(Replay):
     """Where the replay stands.
 
     Attributes:
         choice: whose attempt it is.
         attempt: the attempt that is shown, with its recording.
-        position: seconds into it.
-        playing: whether time moves it.
-        at: clock of the last tick while playing, seconds.
     """
 
     choice: Choice
     attempt: Try
-    position: float = 0.0
-    playing: bool = True
-    at: float | None = None
 
     @property
-    def duration(self) -> float:
-        """Seconds of the recording."""
-        recording = self.attempt.recording
-        return (
-            0.0 if recording is None or len(recording.times) == 0 else float(recording.times[-1] - recording.times[0])
-        )
+    def recording(self) -> Recording | None:
+        """What is played."""
+        return self.attempt.recording
 
 
 @dataclass(frozen=True)

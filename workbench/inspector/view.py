@@ -60,12 +60,10 @@ class Inspector:
     def arrive(self, state: State, query: Mapping[str, str], shown: bool) -> tuple[State, tuple[Effect, ...]]:
         """See `View`."""
         if shown and links.is_link(query):
-            try:
-                return want(links.follow(state, query))
-            except ValueError as error:
-                told = Notice("warning", "This link was not understood", str(error))
-                state, effects = (state, ()) if state.scene is not None else want(state)
-                return state, (*effects, told)
+            found, refused = links.follow(state, query)
+            state, effects = (state, ()) if found is state and state.scene is not None else want(found)
+            told = (Notice("warning", "A part of this link was left out", "; ".join(refused)),) if refused else ()
+            return state, (*effects, *told)
         if state.scene is not None or state.making is not None:
             return state, ()
         return want(replace(state))

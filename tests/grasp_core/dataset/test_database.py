@@ -138,3 +138,13 @@ def test_backup_is_consistent(store, tmp_path):
     with sqlite3.connect(target) as db:
         assert db.execute("PRAGMA integrity_check").fetchone()[0] == "ok"
     assert isinstance(store, Database)
+
+
+def test_rows_one_by_one_may_be_left_early(store):
+    for row in store.each("SELECT grasp FROM samples ORDER BY grasp"):
+        assert row["grasp"] == 1
+        break
+    store.add_label(1, "ann", 0.0)  # nothing is locked any more
+    assert len(list(store.each("SELECT grasp FROM samples"))) == len(store.rows("SELECT grasp FROM samples"))
+    with pytest.raises(StoreError, match="no such table"):
+        list(store.each("SELECT 1 FROM nowhere"))

@@ -115,10 +115,13 @@ def test_all_ways_to_a_page_give_the_same(lists, sort, descending, monkeypatch):
     query = Query(category="box", quality=(0.2, 1.0), sort=sort, descending=descending)
     few = [row.id for row in everything(lists, query, 4)]
     assert lists.page(query).total == len(few) == 14
-    monkeypatch.setattr("grasp_core.dataset.lists._FEW", 1)
+    monkeypatch.setattr("grasp_core.dataset.lists.FEW", 1)
     assert [row.id for row in everything(lists, query, 4)] == few
     assert lists.page(query).total is None
-    monkeypatch.setattr("grasp_core.dataset.lists._WALK", 5)
+    for limit in ("_WALK", "_SURE_WALK"):
+        monkeypatch.setattr(f"grasp_core.dataset.lists.{limit}", 2)
+        assert [row.id for row in everything(lists, query, 4)] == few
+    monkeypatch.setattr("grasp_core.dataset.filters.FEW", 1)
     assert [row.id for row in everything(lists, query, 4)] == few
 
 

@@ -64,10 +64,20 @@ def test_bulk(ask, store):
     query = Query(quality=(0.5, 0.5))
     (counted,) = ask(e.Count(query, 0.0))
     assert counted.plan == BulkPlan(27, 27, 0)
-    (done,) = ask(e.Relabel(query, 0.0, counted.plan, "ann"))
-    assert "27 samples" in done.words and store.count(Query(label=(0.0, 0.0))) == 27
+    ended, done = ask(e.Relabel(query, 0.0, counted.plan, "ann"))
+    assert ended == a.BulkMoved(27, 27) and "27 samples" in done.words and store.count(Query(label=(0.0, 0.0))) == 27
     (refused,) = ask(e.Relabel(query, 1.0, BulkPlan(1, 1, 0), "ann"))
     assert isinstance(refused, a.Failed) and refused.title == "Nothing was relabelled"
+
+
+def test_a_bulk_decision_is_stopped_whole(ask, store):
+    assert ask(e.StopRelabel("ann")) == []
+    everything = Query()
+    (counted,) = ask(e.Count(everything, 0.0))
+    (stopped,) = ask(e.Relabel(everything, 0.0, counted.plan, "ann"))
+    assert stopped == a.Failed("Nothing was relabelled", "cancelled; no label was changed")
+    assert store.events() == []
+    assert ask(e.Relabel(everything, 0.0, counted.plan, "ann"))[0] == a.BulkMoved(30, 30)  # the next one is its own
 
 
 def test_a_review_from_start_to_end(ask, store):
@@ -94,7 +104,21 @@ def test_facts_views_and_people(ask, store):
     assert (shown.facts.samples, shown.facts.categories, shown.facts.weights) == (30, ("box",), "")
     assert ask(e.KeepQuery("mine", None, "ann"))[0].facts.views == {}
     (person,) = ask(e.LoadPerson("bob"))
-    assert [event.value for event in person.events] == [1.0]
+    assert [event.value for event in person.events] == [1.0] and not person.more and person.gone == frozenset()
+
+
+def test_a_long_history_of_a_person_comes_in_parts(ask, store, monkeypatch):
+    monkeypatch.setattr("workbench.curate.desk.EVENTS", 2)
+    made = [store.add_label(grasp, "bob", 1.0) for grasp in (1, 2, 3)]
+    store.revert(made[2].id, "ann")
+    (newest,) = ask(e.LoadPerson("bob"))
+    assert [event.id for event in newest.events] == [made[2].id, made[1].id]
+    assert newest.more and newest.gone == {made[2].id}
+    (rest,) = ask(e.LoadPerson("bob", made[1].id))
+    assert [event.id for event in rest.events] == [made[0].id] and not rest.more and rest.before == made[1].id
+
+
+def test_broken_views_are_left_out(ask, store):
     with store.transaction() as db:
         db.execute("INSERT INTO views (name, query, changed) VALUES ('broken', '{\"sort\":\"x\"}', 0)")
     assert ask(e.LoadFacts(""))[0].facts.views == {}

@@ -71,11 +71,35 @@ def test_a_conflict_shows_both_and_asks(rules, state, store):
     conflict, effects = rules.reduce(asked, a.Conflicted(save.decision, (theirs,)))
     assert effects == (e.LoadSample(2),) and conflict.pending == ()
     assert rules.reduce(conflict, a.Decide(1.0))[1] == ()
-    mine, (again,) = rules.reduce(conflict, a.Resolve(True))
-    assert again.decision.seen == theirs.id and mine.conflict is None
+    mine, (again, *_) = rules.reduce(conflict, a.Resolve(True))
+    assert again.decision.seen == theirs.id and mine.conflicts == ()
     left, effects = rules.reduce(conflict, a.Resolve(False))
-    assert effects == (e.LoadSample(2),) and left.conflict is None
+    assert effects == (e.LoadSample(2),) and left.conflicts == ()
     assert rules.reduce(state, a.Resolve(True)) == (state, ())
+
+
+def test_conflicts_wait_for_each_other(rules, state, store):
+    theirs = store.add_label(2, "bob", 0.5), store.add_label(3, "bob", 0.5)
+    mine = Decision(2, 0.0), Decision(3, "unsure")
+    for decision, event in zip(mine, theirs, strict=True):
+        state, effects = rules.reduce(state, a.Conflicted(decision, (event,)))
+        assert effects == (e.LoadSample(2),)
+    assert [conflict.decision for conflict in state.conflicts] == list(mine)
+    state, (save, load) = rules.reduce(state, a.Resolve(True))
+    assert save.decision == replace(mine[0], seen=theirs[0].id) and load == e.LoadSample(3)
+    state, effects = rules.reduce(state, a.Resolve(False))
+    assert state.conflicts == () and state.pending == (save.decision,) and effects == (e.LoadSample(3),)
+
+
+def test_a_review_goes_on_after_a_conflict(rules, state, store):
+    theirs = store.add_label(2, "bob", 0.5)
+    reviewing = replace(state, review=Review(4, "ann", Rule(), 10, 2), item=Item(4, 2, 2, False))
+    new, (save, _) = rules.reduce(reviewing, a.Decide("unsure"))
+    met, _ = rules.reduce(new, a.Conflicted(save.decision, (theirs,)))
+    _, (again, load) = rules.reduce(met, a.Resolve(True))
+    assert again.decision.place == 2 and load == e.LoadNext(4)
+    left, (load,) = rules.reduce(met, a.Resolve(False))
+    assert load == e.LoadNext(4, Item(4, 2, 2, False)) and left.wanted is None
 
 
 def test_undo_revert_and_what_changed(rules, state):

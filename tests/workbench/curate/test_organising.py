@@ -5,7 +5,7 @@ from grasp_core.dataset.review import Review, Rule
 from workbench.actions import Download, Notice
 from workbench.curate import actions as a
 from workbench.curate import effects as e
-from workbench.curate.organising import SCORING
+from workbench.curate.organising import RELABELLING, SCORING
 
 
 def test_lists_are_kept_under_tidy_names(rules, state):
@@ -38,6 +38,15 @@ def test_scoring_goes_on_until_done_or_stopped(rules, state):
     assert failed.scoring is None and told.tone == "error"
 
 
+def test_a_bulk_decision_moves_and_is_stopped(rules, state):
+    moving, _ = rules.reduce(state, a.BulkMoved(100, 300))
+    assert moving.relabelling == (100, 300) and rules.reduce(state, a.StopBulk())[1] == ()
+    assert rules.reduce(moving, a.StopBulk())[1] == (e.StopRelabel("ann"),)
+    assert rules.reduce(moving, a.Failed(RELABELLING, "cancelled"))[0].relabelling is None
+    assert rules.reduce(moving, a.Failed(SCORING, "no"))[0].relabelling == (100, 300)
+    assert rules.reduce(moving, a.BulkMoved(300, 300))[0].relabelling is None
+
+
 def test_a_dataset_that_cannot_be_opened_is_told_in_its_place(rules, state):
     closed = replace(state, facts=None, loading=True)
     failed, effects = rules.reduce(closed, a.Failed("x", "it is damaged"))
@@ -52,6 +61,13 @@ def test_people_exchange_and_facts(rules, state, facts, store):
     assert effects == (e.LoadPerson("bob"),)
     assert rules.reduce(about, a.PersonShown("bob", (event,)))[0].events == (event,)
     assert rules.reduce(about, a.PersonShown("eve", (event,)))[0].events == ()
+    part, _ = rules.reduce(about, a.PersonShown("bob", (event,), more=True))
+    assert rules.reduce(part, a.OlderEvents())[1] == (e.LoadPerson("bob", event.id),)
+    older = store.add_label(2, "bob", 0.0)
+    whole, _ = rules.reduce(part, a.PersonShown("bob", (older,), frozenset({older.id}), before=event.id))
+    assert whole.events == (event, older) and whole.gone == {older.id} and not whole.older
+    assert rules.reduce(whole, a.OlderEvents())[1] == ()
+    assert rules.reduce(whole, a.PersonShown("bob", (older,), before=event.id))[0] == whole  # it came twice
     assert rules.reduce(state, a.ExportEvents())[1] == (e.Export(),)
     assert rules.reduce(state, a.ImportEvents(b"x"))[1] == (e.Import(b"x"),)
     file = Download("x.jsonl", b"")

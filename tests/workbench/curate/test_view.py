@@ -9,7 +9,7 @@ from workbench.actions import Notice
 from workbench.curate import actions as a
 from workbench.curate import effects as e
 from workbench.curate import workshop
-from workbench.curate.state import Playing, State
+from workbench.curate.state import Conflict, Playing, State
 from workbench.curate.values import Decision
 from workbench.curate.view import Curation
 
@@ -52,12 +52,18 @@ def test_links_say_what_is_shown_and_bring_it_back(curation, state):
 def test_impossible_links_are_told(curation, query):
     state, effects = curation.arrive(State(), query, True)
     assert isinstance(effects[0], Notice) and state.query == State().query
+    (word,) = query
+    state, effects = curation.arrive(State(), {"object": "box_000", **query, "descending": "yes"}, True)
+    assert state.query == Query(object="box_000", descending=True)
+    assert effects[0].body.startswith(f"{word}: ")
 
 
 def test_name_and_unsaved_decisions_outlive_the_server(curation):
     state = State(person="ann", unsaved=(Decision(3, 0.5, "x", 9),), pending=(Decision(4, "exclude"),))
     back = curation.first(curation.keep(state))
     assert back.person == "ann" and back.unsaved == (*state.unsaved, *state.pending)
+    asked = replace(state, conflicts=(Conflict(Decision(5, 0.0), ()),))
+    assert Decision(5, 0.0) in curation.first(curation.keep(asked)).unsaved
     for claimed in ({"unsaved": "x", "person": 7}, {"unsaved": [{"grasp": "x"}]}):
         assert curation.first(claimed) == State()
 

@@ -35,9 +35,10 @@ def test_a_link_to_another_view_is_none_of_its_business(inspector):
     assert state.request != SceneRequest((Thing("mug_001"),))
 
 
-def test_a_link_that_is_not_understood_opens_the_first_scene_and_says_so(inspector, shown):
+def test_words_of_a_link_that_are_not_understood_are_left_out_and_told(inspector, shown):
     state, effects = inspector.arrive(inspector.first({}), {"object": "mug_001", "seed": "<b>"}, True)
-    assert state.making is not None and effects[-1].tone == "warning"
+    assert state.making is not None and effects[-1].tone == "warning" and "seed" in effects[-1].body
+    assert state.request.things[0].name == "mug_001"
     again, effects = inspector.arrive(shown, {"pose": "x"}, True)
     assert again is shown and len(effects) == 1
 

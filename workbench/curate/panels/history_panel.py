@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from urllib.parse import unquote
 
 from grasp_core.dataset.labels import LabelEvent, standing
@@ -15,26 +15,27 @@ from workbench.curate.state import State
 READERS: dict[str, Reader] = {
     "crevert": lambda argument: a.RevertEvent(int(argument)),
     "cperson": lambda argument: a.ShowPerson(unquote(argument)),
+    "colder": lambda argument: a.OlderEvents(),
 }
 
 
-def entries(events: Iterable[LabelEvent], stand: set[int] | None, bridge: Bridge, *, samples: bool) -> str:
+def entries(events: Iterable[LabelEvent], gone: Set[int], bridge: Bridge, *, samples: bool) -> str:
     """Events as rows, the newest first; HTML.
 
     Args:
         events: in any order.
-        stand: ids of those that nothing reverts; None where that is not known.
+        gone: ids of those that were taken back.
         bridge: makes the buttons.
         samples: name the sample of each event, to be clicked.
     """
     rows = []
     for event in sorted(events, key=lambda event: (event.at, event.id), reverse=True):
-        gone = stand is not None and event.id not in stand
-        undo = "" if gone else bridge.button("revert", f"crevert:{event.id}", hint="take this event back")
+        look = "gw-gone" if event.id in gone else ""
+        undo = "" if look else bridge.button("revert", f"crevert:{event.id}", hint="take this event back")
         place = bridge.button(f"sample {event.grasp}", f"cpick:{event.grasp}") if samples else ""
         why = "".join(f"<br><small>{text(words)}</small>" for words in (event.reason, event.note) if words)
         rows.append(
-            f'<li class="{"gw-gone" if gone else ""}" data-event="{event.id}"><div><b>{text(event_words(event))}</b>'
+            f'<li class="{look}" data-event="{event.id}"><div><b>{text(event_words(event))}</b>'
             f" {text(change(event))}{why}<br><small>{moment(event)}</small></div><div>{place}{undo}</div></li>"
         )
     return f'<ol class="gw-events">{"".join(rows)}</ol>' if rows else '<div class="gw-empty">No event yet.</div>'
@@ -69,11 +70,13 @@ class HistoryPanel:
         if sample is None:
             inner = '<div class="gw-empty">Choose a sample.</div>'
         else:
-            stand = {event.id for event in standing(sample.history)}
-            inner = entries(sample.history, stand, bridge, samples=False)
+            gone = {event.id for event in sample.history} - {event.id for event in standing(sample.history)}
+            inner = entries(sample.history, gone, bridge, samples=False)
         shown = "" if sample is None else f"sample {sample.row.id}"
         put(self._sample, content=f'<div class="gw"><h3>History <span>{shown}</span></h3>{inner}</div>')
-        known = entries(new.events, None, bridge, samples=True) if new.about else ""
+        known = entries(new.events, new.gone, bridge, samples=True) if new.about else ""
+        if new.older:
+            known += f'<div class="gw-bar gw-small">{bridge.button("Older events", "colder:")}</div>'
         put(
             self._person,
             content=f'<div class="gw"><h3>Of a person</h3><div class="gw-bar gw-wrap">{people(new, bridge)}</div>'

@@ -10,6 +10,7 @@ from workbench import colours
 from workbench.bridge import Bridge, Reader, read_value
 from workbench.casting import put, text
 from workbench.curate import actions as a
+from workbench.curate.panels.words import decision_words
 from workbench.curate.state import START, State
 from workbench.curate.values import Thumb
 
@@ -51,7 +52,6 @@ SORTS = {
     "changed": "last changed",
 }
 BULK: dict[str, float | str] = {"good": 1.0, "bad": 0.0, "unsure": "unsure", "exclude": "exclude", "flag": "flag"}
-WORDS = {1.0: "good", 0.0: "bad", "unsure": "unsure", "exclude": "excluded", "flag": "flagged"}
 
 
 def _bulk(argument: str) -> a.CountBulk:
@@ -67,6 +67,7 @@ READERS: dict[str, Reader] = {
     "cturn": lambda argument: a.TurnPage(1 if int(argument) > 0 else -1),
     "cpick": lambda argument: a.Pick(int(argument)),
     "cbulk": _bulk,
+    "cstop": lambda argument: a.StopBulk(),
     "cdo": lambda argument: a.AnswerBulk(argument == "yes"),
     "copenview": lambda argument: a.OpenView(unquote(argument)),
     "csaveview": lambda argument: a.KeepView(read_value(argument)[1]),
@@ -95,6 +96,7 @@ def filters(state: State, bridge: Bridge) -> str:
     parts = [
         _select(bridge, "category", "category", "of the object", categories, query.category or ""),
         _text(bridge, "object", "object", "exact name of an object", query.object or ""),
+        _text(bridge, "scene", "scene", "exact name of a scene, as below the sample's image", query.scene or ""),
     ]
     for field, (name, hint, choices) in FILTERS.items():
         shown = _shown(field, getattr(query, field))
@@ -187,7 +189,7 @@ def listing(state: State, bridge: Bridge) -> str:
         cards.append(
             f'<div class="gw-thumb gw-t{row.id}" data-sample="{row.id}" {bridge.onclick(f"cpick:{row.id}")}'
             f' title="{text(thumb.object)}: {row.successes}/{row.attempts} attempts"><img src="{thumb.picture}" alt="">'
-            f"{badge(thumb)}<span>{text(thumb.object)}{score}</span></div>"
+            f"{badge(thumb)}<span><em>{text(thumb.object)}</em>{score}</span></div>"
         )
     return f'<div class="gw-shelf" data-shelf="{len(cards)}" data-ticket="{state.ticket}">{"".join(cards)}</div>'
 
@@ -219,8 +221,13 @@ def _plain(query: Query) -> Query:
 
 def bulk(state: State, bridge: Bridge) -> str:
     """Decisions on the whole list, counted before they are made; HTML."""
-    if state.busy == "relabelling":
-        return '<div class="gw-words"><span class="gw-spin"></span>Relabelling …</div>'
+    if state.relabelling is not None:
+        done, total = state.relabelling
+        return (
+            f'<div class="gw-stages" data-relabelling="{done}"><i style="width:{100 * done / max(total, 1):.1f}%;'
+            f'background:#5aaaeb"></i></div><div class="gw-bar"><small>relabelled {done:,} of {total:,}</small>'
+            f"{bridge.button('Stop', 'cstop:', hint='no label is changed then')}</div>"
+        )
     if state.bulk is None:
         buttons = "".join(bridge.button(name, f"cbulk:{name}", hint="count first, then ask") for name in BULK)
         return f'<small>the whole list is</small><div class="gw-bar gw-small">{buttons}</div>'
@@ -228,7 +235,7 @@ def bulk(state: State, bridge: Bridge) -> str:
     over = f" <b>{plan.human}</b> of them overrule a person's decision." if plan.human else ""
     return (
         f'<div class="gw-ask" data-bulk="{plan.samples}"><b>{plan.samples:,}</b> samples become'
-        f" <b>{text(WORDS.get(ask.decision, ask.decision))}</b>; {plan.changing:,} of them change.{over}"
+        f" <b>{text(decision_words(ask.decision))}</b>; {plan.changing:,} of them change.{over}"
         f'<div class="gw-bar gw-below">{bridge.button("Relabel them", "cdo:yes", look="gw-main")}'
         f"{bridge.button('Leave them', 'cdo:no')}</div></div>"
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 
 from grasp_core.gripper import Gripper
@@ -11,7 +12,7 @@ from workbench.actions import Action
 from workbench.bridge import Bridge, Reader
 from workbench.casting import put, sentence, text
 from workbench.curate import actions as a
-from workbench.curate.panels.words import event_words
+from workbench.curate.panels.words import decision_words, event_words
 from workbench.curate.pictures import sample_svg
 from workbench.curate.state import State
 
@@ -70,14 +71,16 @@ READERS: dict[str, Reader] = {
 def trouble(state: State, bridge: Bridge) -> str:
     """What needs an answer before anything else: a conflict, decisions that are not saved; HTML."""
     found = ""
-    if state.conflict is not None:
-        theirs = "; ".join(event_words(event) for event in state.conflict.events)
-        mine = state.conflict.decision.decision
-        who = text(state.conflict.events[-1].person or "DART")
+    if state.conflicts:
+        conflict = state.conflicts[0]
+        theirs = "; ".join(event_words(event) for event in conflict.events)
+        mine = decision_words(conflict.decision.decision)
+        who = text(conflict.events[-1].person or "DART")
+        more = f" <small>{len(state.conflicts) - 1} more after this one.</small>" if len(state.conflicts) > 1 else ""
         buttons = bridge.button(f"Leave it to {who}", "cmine:no") + bridge.button("Store mine", "cmine:yes")
         found += (
             f'<div class="gw-error" data-conflict="1"><b>Changed meanwhile.</b> {text(theirs)}. You decided'
-            f' <b>{text(mine)}</b>, which is not stored.<div class="gw-bar gw-below">{buttons}</div></div>'
+            f' <b>{text(mine)}</b>, which is not stored.{more}<div class="gw-bar gw-below">{buttons}</div></div>'
         )
     if state.unsaved:
         found += (
@@ -176,9 +179,11 @@ def attempts(state: State, bridge: Bridge) -> str:
         )
         for number, attempt in enumerate(sample.attempts)
     )
+    counts = Counter(attempt.outcome for attempt in sample.attempts)
+    ends = ", ".join(f"{count} {outcome.lower()}" for outcome, count in counts.most_common())
     more = bridge.button("Verify: 5 more", "cverify:5", hint="run five more attempts in DART (V)", off=bool(state.busy))
     told = ""
-    if state.busy and state.busy != "relabelling":
+    if state.busy:
         told = f'<div class="gw-words"><span class="gw-spin"></span>{text(sentence(state.busy))}</div>'
     elif state.playing is not None:
         played = state.playing.played
@@ -190,6 +195,7 @@ def attempts(state: State, bridge: Bridge) -> str:
     moved = ""
     if comfort is not None and not told:
         moved = f"<small>moved in the grip by {1000 * comfort[0]:.0f} mm, {math.degrees(comfort[1]):.0f}°</small>"
+    chips += f"<small>{ends}</small>"
     return f'<div class="gw-tries gw-wrap">{chips}</div><div class="gw-bar gw-small">{more}</div>{told}{moved}'
 
 
@@ -281,12 +287,14 @@ class SamplePanel:
         put(self._label, content=f'<div class="gw" data-decide="{sample.row.id}">{inner}</div>')
         put(self._note, value=new.note)
         note = bridge.button("Store the note", "cnote:", off=not new.note)
-        put(
-            self._tries,
-            content=f'<div class="gw"><div class="gw-bar gw-small">{note}</div>{attempts(new, bridge)}</div>',
-        )
+        tries = f'<div class="gw-bar gw-small">{note}</div>{attempts(new, bridge)}'
+        put(self._tries, content="" if new.edited is not None else f'<div class="gw">{tries}</div>')
         playing = new.playing
-        put(self._time, disabled=playing is None, max=1.0 if playing is None else max(0.01, round(playing.duration, 2)))
+        put(
+            self._time,
+            visible=playing is not None,
+            max=1.0 if playing is None else max(0.01, round(playing.duration, 2)),
+        )
         if playing is None or not playing.playing or abs(playing.position - self._time.value) >= 0.1:
             put(self._time, value=0.0 if playing is None else round(min(playing.position, self._time.max), 2))
         put(self._edit, content=f'<div class="gw">{editing(new, bridge)}</div>')

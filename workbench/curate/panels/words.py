@@ -29,6 +29,13 @@ def event_words(event: LabelEvent) -> str:
     return f"{who} {_KINDS[event.kind]}"
 
 
+def decision_words(decision: float | str) -> str:
+    """A decision in a word, or its value."""
+    if isinstance(decision, str):
+        return {"exclude": "excluded", "flag": "flagged"}.get(decision, decision)
+    return {1.0: "good", 0.0: "bad"}.get(decision, f"{decision:g}")
+
+
 def moment(event: LabelEvent) -> str:
     """When it happened, local time."""
     return time.strftime("%Y-%m-%d %H:%M", time.localtime(event.at / 1000))

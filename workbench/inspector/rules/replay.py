@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.actions import Download, Notice, Tick
 from workbench.inspector import actions as a
 from workbench.inspector import answers as r
@@ -20,20 +18,12 @@ SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
 
 @rule(a.TogglePlay)
 def _toggle(action: a.TogglePlay, state: State) -> Result:
-    playback = state.playback
-    if playback is None:
-        return state, ()
-    ended = playback.position >= playback.duration - 1e-9
-    position = 0.0 if ended and not playback.playing else playback.position
-    return replace(state, playback=replace(playback, playing=not playback.playing, position=position, at=None)), ()
+    return (state if state.playback is None else replace(state, playback=state.playback.toggled())), ()
 
 
 @rule(a.Seek)
 def _seek(action: a.Seek, state: State) -> Result:
-    if state.playback is None:
-        return state, ()
-    position = float(np.clip(action.time, 0.0, state.playback.duration))
-    return replace(state, playback=replace(state.playback, position=position, playing=False, at=None)), ()
+    return (state if state.playback is None else replace(state, playback=state.playback.sought(action.time))), ()
 
 
 @rule(a.Step)
@@ -55,18 +45,9 @@ def _loop(action: a.ToggleLoop, state: State) -> Result:
 
 @rule(Tick)
 def _tick(action: Tick, state: State) -> Result:
-    playback = state.playback
-    if playback is None or not playback.playing:
+    if state.playback is None or not state.playback.playing:
         return state, ()
-    passed = 0.0 if playback.at is None else max(0.0, action.now - playback.at)
-    position = playback.position + passed * state.speed
-    if position >= playback.duration and state.loop:
-        return replace(state, playback=replace(playback, position=0.0, at=action.now)), ()
-    ended = position >= playback.duration
-    moved = replace(
-        playback, position=min(position, playback.duration), playing=not ended, at=None if ended else action.now
-    )
-    return replace(state, playback=moved), ()
+    return replace(state, playback=state.playback.ticked(action.now, speed=state.speed, loop=state.loop)), ()
 
 
 @rule(a.Pin)

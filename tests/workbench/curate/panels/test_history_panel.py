@@ -27,6 +27,10 @@ def test_a_person_s_events_lead_to_their_samples(panel, client, state, store):
     panel.update(None, replace(state, about="bob", events=(event,)))
     page = client.page()
     assert 'data-about="bob"' in page and "cpick:5" in page and 'class="gw-on" data-person="bob"' in page
+    assert "colder:" not in page and 'class="gw-gone"' not in page
+    panel.update(None, replace(state, about="bob", events=(event,), gone=frozenset({event.id}), older=True))
+    page = client.page()
+    assert "Older events" in page and f'class="gw-gone" data-event="{event.id}"' in page
     assert READERS["cperson"]("Ann%20Lee").name == "Ann Lee"
 
 

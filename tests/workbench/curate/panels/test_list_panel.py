@@ -87,6 +87,13 @@ def test_lists_too_long_to_count_say_so(panel, client, state):
     assert "30 samples" in client.page()
 
 
+def test_a_bulk_decision_under_way_can_be_stopped(panel, client, state):
+    panel.update(None, replace(state, relabelling=(1_000, 4_000)))
+    page = client.page()
+    assert "relabelled 1,000 of 4,000" in page and "width:25.0%" in page and "cstop:" in page
+    assert read_message("cstop::1", READERS) == a.StopBulk() and "cbulk:" not in page
+
+
 @pytest.mark.parametrize("message", ["cbulk:all", "cpick:x", "cfilter:split"])
 def test_bad_messages_are_refused(message):
     from grasp_core.errors import GraspError

@@ -39,7 +39,9 @@ def test_a_blind_review_shows_no_measure(panel, client, state):
 def test_conflicts_and_unsaved_decisions_come_first(panel, client, state, store):
     event = store.add_label(2, "bob", 0.5)
     decision = Decision(2, 0.0)
-    panel.update(None, replace(state, conflict=Conflict(decision, (event,)), unsaved=(decision,), trouble="disk full"))
+    panel.update(
+        None, replace(state, conflicts=(Conflict(decision, (event,)),), unsaved=(decision,), trouble="disk full")
+    )
     page = client.page()
     assert "bob set 0.5" in page and "Leave it to bob" in page and "1 not saved" in page and "disk full" in page
 
@@ -59,14 +61,19 @@ def test_a_replay_that_differs_is_marked(panel, client, state, played):
 
 def test_notes_cannot_smuggle_html(panel, client, state, store):
     event = store.add_label(2, "<script>", 0.5)
-    panel.update(None, replace(state, conflict=Conflict(Decision(2, 0.0), (event,)), trouble="<b>x", unsaved=()))
-    assert "<script>" not in client.page()
+    panel.update(
+        None, replace(state, conflicts=2 * (Conflict(Decision(2, 0.0), (event,)),), trouble="<b>x", unsaved=())
+    )
+    assert "<script>" not in client.page() and "1 more after this one" in client.page()
 
 
 def test_keys_of_the_number_pad_edit(panel, client, state, posted):
     assert set(EDITS) == set("12346789")
     panel.update(None, replace(state, edited=state.sample.row.grasp))
     assert "data-editing" in client.page() and "Store and verify" in client.page()
+    assert "data-attempt" not in client.page() and not client.only("slider", "Replay s").visible  # there is room for it
+    panel.update(None, state)
+    assert "2 success" in client.page()
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from workbench.curate.panels.words import change, event_words, moment
+from workbench.curate.panels.words import change, decision_words, event_words, moment
 
 
 @pytest.mark.parametrize(
@@ -19,6 +19,11 @@ from workbench.curate.panels.words import change, event_words, moment
 )
 def test_events_in_words(store, decision, value, words):
     assert event_words(store.add_label(1, "ann", decision, value=value)) == words
+
+
+def test_decisions_in_a_word():
+    words = [decision_words(decision) for decision in (1.0, 0.0, 0.3, "exclude", "unsure")]
+    assert words == ["good", "bad", "0.3", "excluded", "unsure"]
 
 
 def test_changes_and_moments(store):
