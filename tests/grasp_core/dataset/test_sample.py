@@ -1,13 +1,23 @@
 import lzma
+from collections import Counter
 
 import msgspec
 import numpy as np
 import pytest
 
 from grasp_core.camera import canonical_camera
-from grasp_core.dataset.archive import Archive, Head, ObjectHead, SceneHead, executed_pose, write_archive
+from grasp_core.dataset.archive import (
+    Archive,
+    Head,
+    ObjectHead,
+    SceneHead,
+    executed_pose,
+    locate_archive,
+    read_archive,
+    write_archive,
+)
 from grasp_core.dataset.content import SceneRecord
-from grasp_core.dataset.recipe import Recipe
+from grasp_core.dataset.recipe import Recipe, load_recipe
 from grasp_core.dataset.rows import AttemptRow
 from grasp_core.dataset.sample import SCENES, sample_dataset, sample_scenes
 from grasp_core.dataset.store import DatasetStore
@@ -17,7 +27,7 @@ from grasp_core.grasp import Grasp
 from grasp_core.gripper import load_gripper
 from grasp_core.scene import Scene, place
 from grasp_core.sensing.renderer import render
-from grasp_core.simulation.physics import load_physics
+from grasp_core.simulation.physics import Physics, load_physics
 from grasp_core.simulation.trial import child_seed
 
 RECIPE = Recipe(name="boxes")
@@ -101,3 +111,17 @@ def test_another_archive_gets_its_own_copy(archive, tmp_path, monkeypatch):
 def test_no_archive_is_said():
     with pytest.raises(StoreError, match="no shipped archive is called 'nothing'"):
         sample_dataset("nothing")
+
+
+def test_shipped_archive_is_of_the_recipe_default_and_gives_a_sound_sample(tmp_path, monkeypatch):
+    path = locate_archive("default")
+    assert path.stat().st_size <= 15e6
+    archive = read_archive(path)
+    assert msgspec.convert(archive.head.recipe, Recipe) == load_recipe("default")
+    assert msgspec.convert(archive.head.physics, Physics) == load_physics()
+    splits = Counter(item.split for item in archive.head.objects)
+    assert splits["train"] >= 200 and splits["validation"] >= 20 and splits["test"] >= 20
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    with DatasetStore.open(sample_dataset()) as store:
+        assert len(list(store.scenes())) == sum(SCENES.values())
+        assert verify(store, gripper=load_gripper(), physics=load_physics()) == []
