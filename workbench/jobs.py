@@ -85,14 +85,19 @@ class Jobs:
             args: of it; they and the result must be picklable.
             kwargs: of it.
         """
-        with self._lock:
-            if self._closed:
-                return
-            try:
-                pool, future = self._pool, self._pool.submit(work, *args, **kwargs)
-            except BrokenProcessPool:
-                pool, future = self._pool, Future()
-                future.set_exception(BrokenProcessPool("found broken"))
+        for last in (False, True):
+            with self._lock:
+                if self._closed:
+                    return
+                pool = self._pool
+                try:
+                    future = pool.submit(work, *args, **kwargs)
+                    break
+                except BrokenProcessPool as error:
+                    future = Future()
+                    future.set_exception(error)
+            if not last:  # it died while it had nothing to do: the next one takes the job
+                self._replace(pool)
 
         def finished(job: Future[R]) -> None:
             try:

@@ -71,6 +71,18 @@ def test_a_killed_worker_is_reported_and_replaced(jobs, lost):
     assert len(lost) == 1, "told once, however many jobs were lost"
 
 
+def test_a_job_for_a_worker_that_died_idle_goes_to_the_next_one(jobs, lost):
+    before = ask(jobs, os.getpid).wait().result
+    lost.clear()
+    os.kill(before, signal.SIGKILL)
+    deadline = time.monotonic() + 30
+    while not jobs._pool._broken and time.monotonic() < deadline:
+        time.sleep(0.01)
+    answer = ask(jobs, os.getpid).wait()
+    assert answer.reason is None and answer.result not in (None, before)
+    assert len(lost) == 1
+
+
 def test_ctrl_c_does_not_reach_the_worker(jobs):
     worker = ask(jobs, os.getpid).wait().result
     os.kill(worker, signal.SIGINT)
