@@ -28,7 +28,7 @@ DROPS = 16
 """Random drops that find an object's stable poses: about a second, where a dataset takes its time."""
 SPREAD = 0.04
 """Metres from the table's centre within which one object is placed, along x and y; several have more room."""
-_ROOM = (0.06, 0.09, 0.12, 0.15)
+_ROOM = (0.06, 0.09, 0.12, 0.15, 0.2, 0.25)
 _DRAWS = 60
 _SCALES: dict[str, float | str] = {"m": "keep", "mm": 0.001, "cm": 0.01, "paper": "paper"}
 

@@ -7,6 +7,7 @@ from grasp_core.errors import GraspError
 from workbench.inspector.orders import SceneRequest, Thing
 from workbench.inspector.poses import matrix, vector
 from workbench.inspector.setup import DEFAULT
+from workbench.inspector.worker import scenes
 from workbench.inspector.worker.scenes import camera_of, file_of, make_scene, settle_scene
 
 CAN = SceneRequest((Thing("can_000"),), 3)
@@ -74,3 +75,14 @@ def test_what_is_not_there_is_told(name):
         make_scene(SceneRequest((Thing(name),)), DEFAULT, {})
     with pytest.raises(GraspError, match="no longer has"):
         file_of(name, {name: "/nowhere/at/all"})
+
+
+def test_three_large_objects_always_fit_and_stay_clear_of_each_other():
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        taken = []
+        for radius in rng.uniform(0.06, 0.14, 3):
+            x, y, _ = scenes._spot(rng, radius, taken, False)
+            assert max(abs(x), abs(y)) + radius < 0.45, "on the table"
+            assert all(np.hypot(x - u, y - v) > radius + other for u, v, other in taken)
+            taken.append((x, y, radius))
