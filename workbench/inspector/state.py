@@ -155,7 +155,8 @@ class State:
         choice: the selected candidate.
         least: candidates with lower scores are hidden.
         trials: candidate → what is known of its trial.
-        waiting: number of the selected candidate's attempt to show once the running trial has ended.
+        waiting: number of the selected candidate's attempt to show once the running trial has ended, or once the scene
+            that is being seen anew is there.
         sweep: the job that tries all candidates.
         playback: the replay, while one is shown.
         pinned: the attempt that it is compared with.
@@ -218,6 +219,24 @@ class State:
     def opening(self) -> bool:
         """The wanted scene is not there yet."""
         return self.making is not None
+
+    @property
+    def known(self) -> bool:
+        """Whether the wanted scene is the one that is shown, but for objects that were dragged, view and planners."""
+        shown, wanted = self.scene, self.request
+        if shown is None or shown.setup.gripper != self.setup.gripper or shown.request.photo != wanted.photo:
+            return False
+        if wanted.photo is not None:
+            return True
+        before, after = shown.request.things, wanted.things
+        return (
+            len(before) == len(after)
+            and shown.request.place == wanted.place
+            and all(
+                old.name == new.name and (new.at is not None or (old.pose, old.at) == (new.pose, None))
+                for old, new in zip(before, after, strict=True)
+            )
+        )
 
     @property
     def trying(self) -> bool:

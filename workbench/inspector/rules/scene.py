@@ -15,6 +15,7 @@ from workbench.inspector import effects as e
 from workbench.inspector.orders import MOST_THINGS, Choice, OpenedScene, SceneRequest, Thing
 from workbench.inspector.poses import matrix
 from workbench.inspector.rules.registry import Result, rule
+from workbench.inspector.rules.trials import show_attempt
 from workbench.inspector.setup import DEFAULT, Setup, changed
 from workbench.inspector.state import Live, State
 
@@ -39,29 +40,11 @@ def want(state: State, request: SceneRequest | None = None, setup: Setup | None 
 def make(state: State, asked: float | None = None) -> Result:
     """Start what is wanted now: see a known scene anew, or make it."""
     effect: Effect
-    if _known(state):
+    if state.known:
         effect = e.SeeScene(state.ticket, state.request, state.setup, asked)
     else:
         effect = e.OpenScene(state.ticket, state.request, state.setup)
     return replace(state, making=state.ticket), (effect,)
-
-
-def _known(state: State) -> bool:
-    """Whether the wanted scene is the one that is shown, but for objects that were dragged, view and planners."""
-    shown, wanted = state.scene, state.request
-    if shown is None or shown.setup.gripper != state.setup.gripper or shown.request.photo != wanted.photo:
-        return False
-    if wanted.photo is not None:
-        return True
-    before, after = shown.request.things, wanted.things
-    return (
-        len(before) == len(after)
-        and shown.request.place == wanted.place
-        and all(
-            old.name == new.name and (new.at is not None or (old.pose, old.at) == (new.pose, None))
-            for old, new in zip(before, after, strict=True)
-        )
-    )
 
 
 @rule(a.ShowObject)
@@ -177,9 +160,12 @@ def _seen(action: r.Seen, state: State) -> Result:
     shown, effects = _show(state, _moved(state.scene, action), still=state.dragging)
     if action.asked is not None:
         shown = replace(shown, live=_follows(state, action.now, action.asked))
-    if action.ticket == state.ticket:
+    if action.ticket != state.ticket:
+        later = replace(shown, ticket=state.ticket, wanted=state.wanted, waiting=state.waiting)
+        return make(later, state.moved_at)
+    if state.wanted is None or state.waiting is None or shown.choice != state.wanted:
         return shown, effects
-    return make(replace(shown, ticket=state.ticket), state.moved_at)
+    return show_attempt(shown, state.waiting)
 
 
 def _follows(state: State, now: float, asked: float) -> Live:
@@ -254,4 +240,4 @@ def _open_failed(action: r.OpenFailed, state: State) -> Result:
     if action.ticket != state.ticket:
         return make(state)
     told = Notice("error", "This scene could not be made", action.reason)
-    return replace(state, making=None, failure=action.reason), (told,)
+    return replace(state, making=None, failure=action.reason, wanted=None, waiting=None), (told,)

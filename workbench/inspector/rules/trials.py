@@ -24,7 +24,7 @@ def _select(action: a.Select, state: State) -> Result:
     if state.scene is None or not 0 <= action.choice.index < len(state.scene.candidates(action.choice.side)):
         return state, ()
     moved = state if action.choice == state.choice else replace(state, choice=action.choice, playback=None)
-    return _show_attempt(moved, 0)
+    return show_attempt(moved, 0)
 
 
 @rule(a.SelectNext)
@@ -54,13 +54,14 @@ def _filter(action: a.Filter, state: State) -> Result:
 def _replay_attempt(action: a.ReplayAttempt, state: State) -> Result:
     if state.choice is None or not 0 <= action.number < state.setup.attempts:
         return state, ()
-    return _show_attempt(state, action.number)
+    return show_attempt(state, action.number)
 
 
-def _show_attempt(state: State, number: int) -> Result:
+def show_attempt(state: State, number: int) -> Result:
     """Replay attempt `number` of the selected candidate; the first time its whole trial runs.
 
-    One trial runs at a time: of the candidates chosen meanwhile, the last one is tried next.
+    One trial runs at a time: of the candidates chosen meanwhile, the last one is tried next. What is chosen while the
+    scene is being seen anew, as when a drag has just ended, is tried in the plan that comes.
     """
     assert state.scene is not None and state.choice is not None
     playback, trial = state.playback, state.trial
@@ -70,6 +71,8 @@ def _show_attempt(state: State, number: int) -> Result:
         return state, ()  # an own image: selecting is all that can be done
     if state.loose:
         return state, (_LOOSE,)
+    if state.making is not None and state.known:
+        return replace(state, wanted=state.choice, waiting=number), ()
     if state.trying and state.sweep is None:
         return replace(state, waiting=number), ()
     wanted: list[Effect] = [e.RecordAttempt(state.scene_ticket, state.scene, state.choice, number)]
@@ -82,7 +85,7 @@ def _show_attempt(state: State, number: int) -> Result:
 def _next(state: State, *effects: Effect) -> Result:
     """What comes after a trial: the candidate that was clicked meanwhile, or the next one of the job."""
     if state.waiting is not None and state.choice is not None and not state.trying:
-        state, more = _show_attempt(state, state.waiting)
+        state, more = show_attempt(state, state.waiting)
         effects = (*effects, *more)
     if state.sweep is None or state.scene is None or state.trying:
         return state, effects

@@ -6,7 +6,7 @@ import pytest
 from workbench.inspector import actions as a
 from workbench.inspector import answers as r
 from workbench.inspector import effects as e
-from workbench.inspector.orders import SceneRequest
+from workbench.inspector.orders import Choice, SceneRequest
 from workbench.inspector.poses import vector
 from workbench.inspector.rules import reduce
 from workbench.inspector.setup import DEFAULT
@@ -48,6 +48,21 @@ def test_the_end_of_a_drag_is_seen_at_rest(shown, sight):
     assert not state.dragging and isinstance(effects[0], e.SeeScene)
     state, effects = run(state, r.Seen(state.ticket, state.request, DEFAULT, sight(), None, 1.3))
     assert [type(effect) for effect in effects] == [e.ExpectTrial], "the best candidate may be clicked next"
+
+
+def test_a_click_while_the_end_of_a_drag_is_being_seen_is_tried_in_the_plan_that_comes(shown, sight):
+    state, _ = run(shown, a.Drag(pose(shown, 0.01), False, 1.0))
+    state, _ = run(state, a.Drag(pose(shown, 0.02), True, 1.2))
+    state, effects = run(state, a.Select(Choice(0, 1)))
+    assert effects == [] and state.waiting == 0 and not state.trying
+    state, effects = run(state, r.Seen(state.making, state.request, DEFAULT, sight(), 1.0, 1.3))
+    assert [type(effect) for effect in effects] == [e.SeeScene], "a newer place is wanted"
+    state, effects = run(state, r.Seen(state.making, state.request, DEFAULT, sight(), None, 1.4))
+    assert state.choice == Choice(0, 1) and state.waiting is None and state.trial.running
+    assert effects == [
+        e.RecordAttempt(state.scene_ticket, state.scene, Choice(0, 1), 0),
+        e.RunTrial(state.scene_ticket, state.scene, Choice(0, 1)),
+    ]
 
 
 def test_sliding_keeps_an_object_at_rest_and_lifting_does_not(shown):
