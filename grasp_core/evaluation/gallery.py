@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from grasp_core.camera import DepthImage
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord
 from grasp_core.grasp import rectangle_corners, to_image
+from grasp_core.lettering import plain
 from grasp_core.planning.planner import Plan
 
 Picture = NDArray[np.uint8]
@@ -133,6 +134,6 @@ def _captioned(picture: Picture, lines: list[str]) -> Picture:
     caption = np.full((step * len(lines) + 8, picture.shape[1], 3), 255, np.uint8)
     for row, line in enumerate(lines):
         place = (6, step * (row + 1) - 2)
-        shown = line.encode("ascii", "replace").decode()  # OpenCV's letters are ASCII
-        cv2.putText(caption, shown, place, cv2.FONT_HERSHEY_SIMPLEX, 0.42, _BLACK if row else _GREY, 1, cv2.LINE_AA)
+        colour = _BLACK if row else _GREY
+        cv2.putText(caption, plain(line), place, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
     return np.concatenate([picture, caption], axis=0)

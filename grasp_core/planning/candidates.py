@@ -6,11 +6,12 @@ A `Batch` holds many candidates as arrays; everything here works on all of them 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grasp_core import config
 from grasp_core.camera import Camera
 from grasp_core.grasp import Grasp, ImageGrasp
 from grasp_core.gripper import Gripper
@@ -128,6 +129,46 @@ def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.boo
     free = np.zeros(len(batch), np.bool_)
     free[left] = True
     return free
+
+
+class PoseNoise(config.Settings):
+    """How far the robot strays from the pose that it is told (Eq. 4), as far as planning cares.
+
+    Attributes:
+        sigma_p: standard deviation of each coordinate of p, metres.
+        sigma_phi: of φ, rad.
+        draws: poses that are looked at around each grasp; 0 looks at none.
+    """
+
+    sigma_p: float = 0.0025
+    sigma_phi: float = 0.044
+    draws: int = 16
+
+    def __post_init__(self) -> None:
+        if self.sigma_p < 0 or self.sigma_phi < 0 or self.draws < 0:
+            told = f"{self.sigma_p}, {self.sigma_phi} and {self.draws}"
+            raise ValueError(f"sigma_p, sigma_phi and draws must be at least 0, not {told}")
+
+
+def reach_share(batch: Batch, view: TableView, gripper: Gripper, noise: PoseNoise) -> NDArray[np.float32]:
+    """Share (N,) of the poses around each grasp, drawn as the robot strays, that are `reachable` too.
+
+    The same draws serve all grasps, in opposite pairs, so that equal grasps get equal shares.
+    """
+    if not noise.draws or not len(batch):
+        return np.ones(len(batch), np.float32)
+    half = np.random.default_rng(0).standard_normal((-(-noise.draws // 2), 4))
+    draws = np.concatenate([half, -half])[: noise.draws]
+    strayed = batch[np.repeat(np.arange(len(batch)), len(draws))]
+    right, away, up, turn = np.tile(draws * [*[noise.sigma_p] * 3, noise.sigma_phi], (len(batch), 1)).T
+    strayed = replace(
+        strayed,
+        angle=strayed.angle + turn,
+        depth=strayed.depth - up,
+        position=strayed.position + np.stack([right, away, up], axis=-1),
+    )
+    free = reachable(strayed, view, gripper).reshape(len(batch), len(draws))
+    return free.mean(axis=1, dtype=np.float32)
 
 
 def _under(

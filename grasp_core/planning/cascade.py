@@ -17,7 +17,7 @@ from grasp_core.planning.candidates import (
     sample_pixels,
     spread_angles,
 )
-from grasp_core.planning.image_planner import Found, NetworkPlanner, SearchSettings
+from grasp_core.planning.image_planner import Found, NetworkPlanner, NetworkSettings
 from grasp_core.planning.stages import Stages
 from grasp_core.planning.view import TableView
 
@@ -33,7 +33,7 @@ _NEAR_ANGLE = 0.14
 """Rad, 8 degrees: standard deviation of the draw of angles; samples are up to 15 degrees apart."""
 
 
-class CascadeSettings(SearchSettings):
+class CascadeSettings(NetworkSettings):
     """Settings of the cascade.
 
     Attributes:
@@ -46,7 +46,6 @@ class CascadeSettings(SearchSettings):
         enough: distinct candidates above t after which no further region is tried.
     """
 
-    threshold: float = 0.5
     pixels: int = 64
     angles: int = 12
     scored: int = 64

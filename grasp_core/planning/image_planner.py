@@ -17,7 +17,7 @@ from grasp_core import config
 from grasp_core.camera import DepthImage
 from grasp_core.gripper import Gripper
 from grasp_core.networks.runtime import Runtime, load_runtime
-from grasp_core.planning.candidates import Batch, distinct, to_candidates
+from grasp_core.planning.candidates import Batch, PoseNoise, distinct, reach_share, to_candidates
 from grasp_core.planning.crops import crops
 from grasp_core.planning.planner import Plan
 from grasp_core.planning.result import begin, finish
@@ -145,14 +145,31 @@ class ImagePlanner(ABC, Generic[S]):
         return finish(view, found.heat, found.region, found.sampled, chosen, scored, reason, stages, self.weights)
 
 
-class NetworkPlanner(ImagePlanner[S]):
-    """An image-based planner whose scores are the Refined Network's.
+class NetworkSettings(SearchSettings):
+    """What planners whose scores are the Refined Network's can be told.
+
+    Attributes:
+        pose_noise: how far the robot strays from the pose that it is told.
+    """
+
+    threshold: float = 0.8
+    pose_noise: PoseNoise = PoseNoise()
+
+
+N = TypeVar("N", bound=NetworkSettings)
+
+
+class NetworkPlanner(ImagePlanner[N]):
+    """An image-based planner whose scores are the Refined Network's, times the share of poses around that are free.
+
+    The network sees crops of 3 mm pixels and holds tight places too good: of validation candidates that it gave 0.77 on
+    average, but of whose surrounding poses less than 0.9 are free, half succeeded.
 
     Attributes:
         runtime: both networks.
     """
 
-    def __init__(self, runtime: Runtime, gripper: Gripper, settings: S | None = None) -> None:
+    def __init__(self, runtime: Runtime, gripper: Gripper, settings: N | None = None) -> None:
         """Put a planner together.
 
         Raises:
@@ -164,12 +181,14 @@ class NetworkPlanner(ImagePlanner[S]):
         self.weights = f"{runtime.meta.name} {runtime.digest}"
 
     @classmethod
-    def make(cls, settings: S, gripper: Gripper, *, weights: str | Path, runtime: Runtime | None) -> Self:
+    def make(cls, settings: N, gripper: Gripper, *, weights: str | Path, runtime: Runtime | None) -> Self:
         """The planner, with weights loaded unless there is a runtime."""
         return cls(runtime or load_runtime(weights, precision="auto"), gripper, settings)
 
     def judge(self, batch: Batch, view: TableView, stages: Stages, chunk: int) -> NDArray[np.float32]:
-        """P(class 1) (M,) of the first M of a batch: all of them, or when time runs out those of the chunks till then.
+        """P(success) (M,) of the first M of a batch: all of them, or when time runs out those of the chunks till then.
+
+        What the network alone holds below t stays so and is not looked at further.
 
         Args:
             batch: the grasps.
@@ -196,6 +215,10 @@ class NetworkPlanner(ImagePlanner[S]):
                     self.gripper.opening,
                 )
             with stages.stage("scores"):
-                scores.append(self.runtime.scores(seen))
+                found = self.runtime.scores(seen)
+            with stages.stage("clearance"):
+                good = found >= self.settings.threshold
+                found[good] *= reach_share(part[good], view, self.gripper, self.settings.pose_noise)
+            scores.append(found)
             took = stages.elapsed_ms - before
         return np.concatenate([*scores, np.zeros(0, np.float32)])

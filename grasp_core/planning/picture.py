@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from grasp_core.camera import Camera, DepthImage
 from grasp_core.errors import ImageError
+from grasp_core.lettering import plain
 from grasp_core.planning.planner import Candidate, Plan
 
 Picture = NDArray[np.uint8]
@@ -109,6 +110,5 @@ def _panel(picture: Picture, text: str, height: int) -> Picture:
     panel = np.full((height + _BAND, picture.shape[1], 3), 255, np.uint8)
     panel[: picture.shape[0], : picture.shape[1]] = picture
     panel[picture.shape[0] : height] = _GREY
-    ascii_text = text.encode("ascii", "replace").decode()
-    cv2.putText(panel, ascii_text, (6, height + 15), cv2.FONT_HERSHEY_SIMPLEX, 0.42, _BLACK, 1, cv2.LINE_AA)
+    cv2.putText(panel, plain(text), (6, height + 15), cv2.FONT_HERSHEY_SIMPLEX, 0.42, _BLACK, 1, cv2.LINE_AA)
     return panel

@@ -13,7 +13,7 @@ from grasp_core.errors import ImageError
 from grasp_core.gripper import Gripper
 from grasp_core.networks.runtime import Runtime
 from grasp_core.networks.weights import CropSpec
-from grasp_core.planning.candidates import make_batch, reachable, to_candidates
+from grasp_core.planning.candidates import PoseNoise, make_batch, reach_share, reachable, to_candidates
 from grasp_core.planning.crops import crops, grasp_pixels
 from grasp_core.planning.planner import Candidate
 from grasp_core.planning.view import TableView, ViewSettings
@@ -58,6 +58,7 @@ def score_place(
     gripper: Gripper,
     settings: ViewSettings | None = None,
     *,
+    noise: PoseNoise | None = None,
     angles: int = 36,
 ) -> PlaceScores:
     """Score one pixel of the canonical canvas under all angles.
@@ -69,6 +70,7 @@ def score_place(
         runtime: the networks.
         gripper: whose grasps they are.
         settings: how deep grasps reach.
+        noise: how far the robot strays from the pose that it is told; as planners take it by default when None.
         angles: evenly spread over half a turn.
 
     Raises:
@@ -91,6 +93,7 @@ def score_place(
         view.depth, view.camera, batch.u, batch.v, batch.angle, batch.depth, runtime.meta.crop, gripper.opening
     )
     scores = runtime.scores(seen)
+    scores[free] *= reach_share(batch[free], view, gripper, noise or PoseNoise())
     return PlaceScores(
         float(column),
         float(row),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from grasp_core.gripper import Gripper
+from grasp_core.lettering import plain
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.simulation.recording import PHASES, Recording
 
@@ -66,8 +67,7 @@ def filmstrip(
         cv2.putText(frame, text, (5, 14), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (0, 0, 0), 1, cv2.LINE_AA)
         strip[26:, column * size : (column + 1) * size] = frame
     words = title or f"{recording.outcome}: {recording.words}"
-    plain = words.encode("ascii", "replace").decode()
-    cv2.putText(strip, plain, (5, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.42, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.putText(strip, plain(words), (5, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.42, (0, 0, 0), 1, cv2.LINE_AA)
     return strip
 
 

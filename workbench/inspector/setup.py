@@ -45,7 +45,7 @@ class Setup(config.Settings):
     angles: int = 12
     scored: int = 64
     radius: float = 0.3333
-    threshold: float = 0.5
+    threshold: float = 0.8
     candidates: int = 10
     gripper: str = "paper"
     camera: str = "canonical"
@@ -151,7 +151,7 @@ FIELDS: dict[str, Number | Choice] = {
     "angles": Number("Angles", "", "Tried at each pixel, spread over half a turn", 1, 36, 1),
     "scored": Number("Scored", "", "Most grasps scored by the Refined Network", 1, 1024, 1),
     "radius": Number("R_i", "openings", "Radius of the region round the best place", 0.05, 3, 0.01),
-    "threshold": Number("t least", "", "Least score of a candidate", 0, 1, 0.01),
+    "threshold": Number("t least", "", "Least score of a candidate, of planners with networks", 0, 1, 0.01),
     "candidates": Number("n best", "", "Most candidates that are returned", 1, 100, 1),
     "gripper": Choice("Gripper", "Plans and executes; weights fit one only", _shipped("grippers"), "gripper, camera"),
     "camera": Choice("Camera", "Its intrinsics", _shipped("cameras"), "gripper, camera"),

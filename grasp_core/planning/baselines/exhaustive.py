@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from grasp_core.planning.candidates import make_batch, reachable
-from grasp_core.planning.image_planner import Found, NetworkPlanner, SearchSettings
+from grasp_core.planning.image_planner import Found, NetworkPlanner, NetworkSettings
 from grasp_core.planning.stages import Stages
 from grasp_core.planning.view import TableView
 
@@ -13,7 +13,7 @@ _CHUNK = 256
 """Crops that are scored at once."""
 
 
-class ExhaustiveSettings(SearchSettings):
+class ExhaustiveSettings(NetworkSettings):
     """Settings of the exhaustive search.
 
     Attributes:
@@ -23,7 +23,6 @@ class ExhaustiveSettings(SearchSettings):
             search that knows nothing but the network scores them all and drops them afterwards.
     """
 
-    threshold: float = 0.5
     stride: int = 4
     angles: int = 18
     prune: bool = False

@@ -11,10 +11,12 @@ from grasp_core.grasp import Grasp, angle_distance, to_image
 from grasp_core.gripper import load_gripper
 from grasp_core.planning.candidates import (
     Batch,
+    PoseNoise,
     best_region,
     distinct,
     image_grasps,
     make_batch,
+    reach_share,
     reachable,
     sample_pixels,
     spread_angles,
@@ -82,6 +84,28 @@ def test_the_gripper_reaches_across_a_long_box_but_not_along_it(photo, make_box,
     expected = to_image(across.grasp, view.rectified.camera)
     assert msgspec.structs.astuple(across.image) == pytest.approx(msgspec.structs.astuple(expected))
     assert (across.score, across.heat, across.grasp.width) == (0.5, 0.1, 0.10)
+
+
+def test_tight_places_are_seldom_free_when_the_robot_strays(photo, make_box):
+    shares = []
+    for width in (0.03, 0.09, 0.093):
+        _, view = look(photo(make_box(0.0, 0.0, (0.14, width, 0.05), 0.0)), None, ViewSettings())
+        u, v = pixel(view, 0, 0, 0.05)
+        batch = make_batch(view, [u, u], [v, v], [math.pi / 2] * 2)
+        assert reachable(batch, view, GRIPPER).all()
+        share = reach_share(batch, view, GRIPPER, PoseNoise())
+        assert share[0] == share[1], "the same draws serve all grasps"
+        assert (reach_share(batch, view, GRIPPER, PoseNoise(draws=0)) == 1).all()
+        assert (reach_share(batch, view, GRIPPER, PoseNoise(sigma_p=0, sigma_phi=0)) == 1).all()
+        assert reach_share(batch[:0], view, GRIPPER, PoseNoise()).shape == (0,)
+        shares.append(float(share[0]))
+    assert shares[0] == 1 and shares[0] > shares[1] > shares[2] > 0
+
+
+@pytest.mark.parametrize("wrong", [{"sigma_p": -1.0}, {"sigma_phi": -1.0}, {"draws": -1}])
+def test_impossible_pose_noise_is_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        PoseNoise(**wrong)
 
 
 def test_what_is_hidden_may_be_in_the_way(photo, make_box):

@@ -57,7 +57,7 @@ def test_without_a_pose_grasps_are_in_the_world_under_the_camera(planner, photo,
 def test_candidates_are_sorted_distinct_above_t_and_among_the_scored(planner, photo, make_box, rng):
     plan = planner(photo(make_box(0, 0)), rng=rng)
     scores = [candidate.score for candidate in plan.candidates]
-    assert 2 <= len(scores) <= 10 and scores == sorted(scores, reverse=True) and min(scores) >= 0.5
+    assert 2 <= len(scores) <= 10 and scores == sorted(scores, reverse=True) and min(scores) >= 0.8
     assert [c.score for c in plan.scored] == sorted((c.score for c in plan.scored), reverse=True)
     assert set(map(id, plan.candidates)) <= set(map(id, plan.scored)) and 64 < len(plan.scored) <= 128
     for i, one in enumerate(plan.candidates):
@@ -74,7 +74,7 @@ def test_what_was_looked_at_lies_on_the_canvas(planner, photo, make_box, rng):
     assert plan.quality_map.shape == plan.canvas.depth.shape == (480, 640)
     assert plan.quality_map.argmax() == round(v) * 640 + round(u)
     assert (plan.canvas.depth[tuple(plan.sampled.astype(int).T[::-1])] < 0.66).all()
-    assert list(plan.stages_ms) == ["rectify", "quality map", "candidates", "crops", "scores", "output"]
+    assert list(plan.stages_ms) == ["rectify", "quality map", "candidates", "crops", "scores", "clearance", "output"]
     assert plan.total_ms == pytest.approx(sum(plan.stages_ms.values())) and plan.missing == 0
 
 
@@ -110,7 +110,7 @@ def test_an_empty_plan_says_why(make_runtime, photo, make_box, rng):
     planner = CascadePlanner(make_runtime(factor=0.3), GRIPPER)
     plan = planner(photo(make_box(0, 0)), rng=rng)
     assert plan.candidates == () and plan.scored
-    assert plan.reason.startswith(f"all {len(plan.scored)} scored grasps are below t = 0.5; the best has 0.")
+    assert plan.reason.startswith(f"all {len(plan.scored)} scored grasps are below t = 0.8; the best has 0.")
     plan = planner(photo(), rng=rng)
     assert plan.reason.startswith("no object above the table") and plan.region is None and plan.sampled.shape == (0, 2)
     noise = DepthImage.from_array(rng.uniform(0.3, 5, (480, 640)), Camera(photo().camera.intrinsics))

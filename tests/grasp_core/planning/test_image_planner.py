@@ -4,7 +4,7 @@ import pytest
 from grasp_core.errors import MismatchError
 from grasp_core.gripper import load_gripper
 from grasp_core.planning.candidates import Batch, make_batch
-from grasp_core.planning.image_planner import Found, ImagePlanner, NetworkPlanner, SearchSettings
+from grasp_core.planning.image_planner import Found, ImagePlanner, NetworkPlanner, NetworkSettings, SearchSettings
 from grasp_core.planning.stages import Stages
 
 GRIPPER = load_gripper()
@@ -67,8 +67,8 @@ def test_impossible_settings_are_refused(wrong):
         SearchSettings(**wrong)
 
 
-class Judge(NetworkPlanner[SearchSettings]):
-    settings_type = SearchSettings
+class Judge(NetworkPlanner[NetworkSettings]):
+    settings_type = NetworkSettings
 
     def search(self, view, stages, rng) -> Found:
         raise NotImplementedError
@@ -85,6 +85,23 @@ def test_judging_ends_before_the_chunk_that_would_overrun_the_budget(image, make
     assert len(judge.judge(batch, view, Stages(110), 16)) == 32
     assert len(judge.judge(batch[:0], view, Stages(), 16)) == 0
     assert judge.weights == "fake 0123" and isinstance(batch, Batch)
+
+
+def test_scores_are_those_of_the_network_times_the_share_of_free_poses_around(photo, make_box, make_runtime):
+    from grasp_core.planning.candidates import PoseNoise, reach_share
+    from grasp_core.planning.view import ViewSettings, look
+
+    _, view = look(photo(make_box(0.0, 0.0, (0.14, 0.088, 0.05), 0.0)), None, ViewSettings())
+    v, u = np.argwhere(view.depth < 0.66).mean(axis=0)
+    batch = make_batch(view, [u], [v], [np.pi / 2])
+    share = reach_share(batch, view, GRIPPER, PoseNoise())
+    assert 0 < share[0] < 1
+    raw = Judge(make_runtime(), GRIPPER, NetworkSettings(threshold=0.0, pose_noise=PoseNoise(draws=0)))
+    both = Judge(make_runtime(), GRIPPER, NetworkSettings(threshold=0.0))
+    above = Judge(make_runtime(), GRIPPER, NetworkSettings(threshold=1.0))
+    plain = raw.judge(batch, view, Stages(), 16)
+    assert plain[0] > 0 and both.judge(batch, view, Stages(), 16) == pytest.approx(plain * share)
+    assert above.judge(batch, view, Stages(), 16) == pytest.approx(plain), "what is below t is not looked at further"
 
 
 def test_weights_of_another_gripper_are_refused(make_runtime):

@@ -38,7 +38,10 @@ def _runtime(weights: str) -> Runtime:
 @lru_cache(maxsize=32)
 def _planner(name: str, settings: tuple[tuple[str, float], ...], gripper: str, weights: str) -> Planner:
     runtime = _runtime(weights) if needs_networks(name) else None
-    return make_variant(name, dict(settings), gripper=load_gripper(gripper), weights=weights, runtime=runtime)
+    changes = dict(settings)
+    if runtime is None:
+        del changes["threshold"]  # t is a probability, which their scores are not
+    return make_variant(name, changes, gripper=load_gripper(gripper), weights=weights, runtime=runtime)
 
 
 class _Clock:

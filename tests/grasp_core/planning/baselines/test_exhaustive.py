@@ -42,7 +42,7 @@ def test_it_finds_at_least_as_good_a_grasp_as_the_cascade(photo, make_box, make_
 def test_candidates_are_distinct_and_above_t(photo, make_box, make_runtime, rng):
     plan = ExhaustivePlanner(make_runtime(), GRIPPER, COARSE)(photo(make_box(0, 0)), rng=rng)
     assert 2 <= len(plan.candidates) <= 10
-    assert all(candidate.score >= 0.5 for candidate in plan.candidates)
+    assert all(candidate.score >= 0.8 for candidate in plan.candidates)
     for i, a in enumerate(plan.candidates):
         for b in plan.candidates[:i]:
             near = np.linalg.norm(np.subtract(a.grasp.position, b.grasp.position)) < 0.01
@@ -52,7 +52,7 @@ def test_candidates_are_distinct_and_above_t(photo, make_box, make_runtime, rng)
 def test_empty_plans_say_why(photo, make_box, make_runtime, rng):
     assert "no object" in ExhaustivePlanner(make_runtime(), GRIPPER, COARSE)(photo(), rng=rng).reason
     low = ExhaustivePlanner(make_runtime(factor=0.1), GRIPPER, COARSE)(photo(make_box(0, 0)), rng=rng)
-    assert low.candidates == () and "below t = 0.5" in low.reason and low.scored
+    assert low.candidates == () and "below t = 0.8" in low.reason and low.scored
     slab = photo(make_box(0, 0, (0.3, 0.3, 0.05), 0.0))
     mask = np.zeros(slab.depth.shape, bool)
     mask[200:280, 280:360] = True

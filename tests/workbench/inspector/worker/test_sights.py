@@ -76,3 +76,8 @@ def test_an_own_image_is_planned_on(tmp_path, opened):
     assert own.scene.objects == () and own.sight.clean is None
     assert own.sight.plans[0].camera.world_from_camera is not None, "the table plane was found"
     assert own.candidates(0)
+
+
+def test_t_does_not_bind_planners_without_networks():
+    opened = open_scene(CAN, msgspec.structs.replace(DEFAULT, beside="random", threshold=1.0), {})
+    assert opened.candidates(0) == () and len(opened.candidates(1)) > 3, "all scores of random grasps are 0.5"
