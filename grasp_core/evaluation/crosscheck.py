@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cv2
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from grasp_core.errors import GraspError
 from grasp_core.evaluation.seeds import child_seed
@@ -23,6 +25,8 @@ from grasp_core.simulation.physics import Physics
 _CHUNK = 50
 """Grasps that are judged between two lines of the log."""
 _LOG = "verdicts.jsonl"
+_TRIED = 5
+"""Grasps of a class of disagreement that are filmed at most."""
 
 
 class Plan(msgspec.Struct, frozen=True):
@@ -269,23 +273,40 @@ def _draw(
     name: str,
     out: Path,
 ) -> dict[str, str]:
-    """One picture per class of disagreement on success: both engines' films of its first grasp, one above the other."""
-    pictures: dict[str, str] = {}
+    """One picture per class of disagreement on success: both engines' films of one grasp, one above the other.
+
+    It is of the object with most of that class. Films show the whole lift, which may end otherwise than a lift that
+    stopped early: the first of a few grasps is taken whose films end as they were judged, else the first one.
+    """
+    classes: dict[str, list[tuple[str, int, int]]] = {}
     for key in sorted(first):
-        one, other = first[key], second[key]
-        if (one == "SUCCESS") == (other == "SUCCESS") or f"{one}→{other}" in pictures:
-            continue
-        source = next(source for source in sources if source.name == key[0])
-        scene, grasps = _scene(Work(source, key[1], name, 0, False, plan, gripper, physics))
-        assets = [placed.asset for placed in scene.objects]
-        strips = []
-        for engine in ("dart", name):
-            film = Judge(engine, scene, gripper, physics).record(grasps[key[2]])
-            title = f"{engine} on {key[0]}: {film.outcome}, {film.words}"
-            strips.append(filmstrip(assets, gripper, film, title=title))
+        if (first[key] == "SUCCESS") != (second[key] == "SUCCESS"):
+            classes.setdefault(f"{first[key]}→{second[key]}", []).append(key)
+    pictures: dict[str, str] = {}
+    for words, keys in classes.items():
+        worst = Counter(key[0] for key in keys).most_common(1)[0][0]
+        source = next(source for source in sources if source.name == worst)
+        strips: list[NDArray[np.uint8]] = []
+        for key in [key for key in keys if key[0] == worst][:_TRIED]:
+            scene, grasps = _scene(Work(source, key[1], name, 0, False, plan, gripper, physics))
+            verdicts = {"dart": first[key], name: second[key]}
+            films = {engine: Judge(engine, scene, gripper, physics).record(grasps[key[2]]) for engine in verdicts}
+            as_judged = all(films[engine].outcome == verdict for engine, verdict in verdicts.items())
+            if not strips or as_judged:
+                strips = [
+                    filmstrip(
+                        [placed.asset for placed in scene.objects],
+                        gripper,
+                        film,
+                        title=f"{engine} on {worst}, judged {verdicts[engine]}; {film.outcome}: {film.words}",
+                    )
+                    for engine, film in films.items()
+                ]
+            if as_judged:
+                break
         width = max(strip.shape[1] for strip in strips)
         padded = [np.pad(strip, ((0, 0), (0, width - strip.shape[1]), (0, 0)), constant_values=255) for strip in strips]
-        path = out / f"{name}_{one}_{other}.png"
+        path = out / f"{name}_{words.replace('→', '_')}.png"
         cv2.imwrite(str(path), np.vstack(padded))
-        pictures[f"{one}→{other}"] = str(path)
+        pictures[words] = str(path)
     return pictures
