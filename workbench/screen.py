@@ -25,9 +25,13 @@ _ARRIVED = "location.search.slice(1).replace(/[^A-Za-z0-9_.,;:=&%+~!*'()-]/g,c=>
 """JavaScript: the query that the page was loaded with, in characters that messages may have."""
 
 
+def _asset(name: str) -> str:
+    return (resources.files("workbench") / "assets" / name).read_text()
+
+
 def style() -> str:
     """The style sheet of everything that this app shows, as HTML."""
-    return f"<style>{(resources.files('workbench') / 'assets' / 'workbench.css').read_text()}</style>"
+    return f"<style>{_asset('workbench.css')}</style>"
 
 
 def address(query: str) -> str:
@@ -38,6 +42,11 @@ def address(query: str) -> str:
         "history.replaceState(null,'','?'+now.toString().replaceAll('%2C',',').replaceAll('%3A',':'));this.remove()"
     )
     return f'<img src="data:," data-query="{text(query)}" onerror="{text(script)}" hidden>'
+
+
+def pace(moving: bool) -> str:
+    """HTML that tells the page whether things move: where there is no GPU, it then draws the scene coarser."""
+    return f'<img src="data:," onerror="gwPace({str(moving).lower()});this.remove()" hidden>'
 
 
 class Screen:
@@ -54,6 +63,8 @@ class Screen:
         with client.atomic():
             self._bridge = bridge = Bridge(client, post, readers)
             bridge.html(style())
+            bridge.html(f'<img src="data:," onerror="{text(_asset("pace.js"))}" hidden>')
+            self._pace = bridge.html()
             self._look = bridge.html()
             self._address = bridge.html()
             self._tabs = bridge.html() if len(shell.views) > 1 else None
@@ -69,6 +80,7 @@ class Screen:
             gui.main_panel.dock_left()
             gui.main_panel.set_width(LEFT)
             bridge.html(bridge.loaded(f"'arrive:'+{_ARRIVED}"))
+        self._moved = False
         self._kept = ""
         self._arrivals = state.arrivals
 
@@ -77,6 +89,10 @@ class Screen:
         with self._client.atomic():
             if old is None or old.dark != new.dark:
                 self._theme(new.dark)
+            moving = self._shell.moving(new) or self._shell.ticking(new)
+            if moving != self._moved:
+                self._moved = moving
+                put(self._pace, content=pace(moving))
             if old is None or old.view != new.view:
                 for name, section in self._sections.items():
                     section.show(name == new.view)
@@ -86,7 +102,8 @@ class Screen:
             before = old.of[new.view] if old is not None and same else None
             if before is not new.of[new.view]:
                 self._parts[new.view].update(before, new.of[new.view])
-            if new.arrivals > self._arrivals:  # before, the address is still to be read
+            # Before a page has arrived, its address is still to be read; browsers take long to change it.
+            if new.arrivals > self._arrivals and not self._shell.moving(new):
                 put(self._address, content=address(self._shell.link(new)))
         kept = json.dumps(self._shell.keep(new))
         if kept != self._kept:
