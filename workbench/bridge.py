@@ -20,6 +20,7 @@ import viser
 from grasp_core.errors import GraspError
 from workbench.actions import Action, Notice
 from workbench.casting import plain, put, text
+from workbench.colours import Themed
 from workbench.uploads import Limiter
 
 log = logging.getLogger("workbench")
@@ -108,6 +109,7 @@ class Bridge:
         self._section: Section | None = None
         self._within: Section | None = None
         self._limiter = Limiter(client)
+        self._themed: list[tuple[Any, Themed]] = []
         self._keys: list[tuple[str, str, str, Section | None]] = []
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
@@ -381,6 +383,15 @@ class Bridge:
             self._post(action(plain(tuple(wxyz / length)), plain(tuple(position)), event.phase == "end"))
 
         handle.on_update(self._guard(moved))
+
+    def themed(self, handle: Any, colour: Themed) -> None:
+        """Let the colour of a scene node follow the theme; it is made in the dark one."""
+        self._themed.append((handle, colour))
+
+    def theme(self, dark: bool) -> None:
+        """Give what follows the theme its colour."""
+        for handle, colour in self._themed:
+            put(handle, color=colour.dark if dark else colour.light)
 
     def notify(self, tone: Tone, title: str, body: str) -> None:
         """Show a notification; errors stay until they are closed."""

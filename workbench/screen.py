@@ -126,6 +126,7 @@ class Screen:
         self._client.gui.configure_theme(
             dark_mode=dark, show_logo=False, show_share_button=False, brand_color=(56, 139, 213)
         )
+        self._bridge.theme(dark)
         put(self._look, content=f'<i class="gw-theme" data-theme="{"dark" if dark else "light"}" hidden></i>')
 
     def _show_keys(self) -> None:

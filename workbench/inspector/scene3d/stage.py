@@ -27,7 +27,7 @@ class Stage:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
-        self._grid = furnish(scene, node)
+        self._grid = furnish(bridge)
         self._world = scene.add_frame(node("/frames/world"), **_AXES)
         self._lens = scene.add_frame(node("/frames/camera"), **_AXES)
         self._camera = scene.add_camera_frustum(
