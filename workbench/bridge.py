@@ -29,6 +29,8 @@ Post = Callable[[Action], None]
 Reader = Callable[[str], Action]
 Tone = Literal["info", "warning", "error"]
 _TONES: dict[Tone, tuple[int, int, int]] = {"info": (56, 139, 213), "warning": (242, 177, 52), "error": (224, 82, 60)}
+_MOST_TOLD = 240
+"""Characters in a notification."""
 _MESSAGE = re.compile(r"([a-z]{1,20}):([A-Za-z0-9_.,;:=&%+~!*'()-]{0,4000}):[0-9]{1,20}")
 
 
@@ -210,11 +212,6 @@ class Bridge:
         """An attribute for a select that sends `verb:value` when another option is chosen."""
         return f"onchange=\"gwSend('{verb}:'+this.value)\""
 
-    def loaded(self, expression: str) -> str:
-        """HTML that sends the value of a JavaScript expression once it is on the page."""
-        script = f"gwSend({expression});this.remove()"
-        return f'<img src="data:," onerror="{text(script)}" hidden>'
-
     def button(
         self,
         label: str,
@@ -394,6 +391,7 @@ class Bridge:
             put(handle, color=colour.dark if dark else colour.light)
 
     def notify(self, tone: Tone, title: str, body: str) -> None:
-        """Show a notification; errors stay until they are closed."""
+        """Show a notification, of long texts the beginning; errors stay until they are closed."""
         seconds = {"error": None, "warning": 15.0}.get(tone, 6.0)
+        body = body if len(body) <= _MOST_TOLD else body[:_MOST_TOLD].rpartition(" ")[0] + " …"
         self.client.add_notification(title, body, auto_close_seconds=seconds, color=_TONES[tone])

@@ -30,7 +30,7 @@ class Themed(NamedTuple):
 
 OBJECT = (205, 160, 105)
 TABLE = Themed((52, 57, 64), (196, 202, 210))
-GRID = Themed((74, 79, 86), (172, 179, 188))
+GRID = Themed((74, 79, 86), (158, 166, 176))
 SHADE = Themed((31, 34, 39), (152, 159, 169))
 """Of shadows on the table."""
 FINGER = (84, 150, 230)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import secrets
 from collections.abc import Callable
 from importlib import resources
 
@@ -27,6 +28,12 @@ _ARRIVED = "location.search.slice(1).replace(/[^A-Za-z0-9_.,;:=&%+~!*'()-]/g,c=>
 
 def _asset(name: str) -> str:
     return (resources.files("workbench") / "assets" / name).read_text()
+
+
+def arrival(key: str) -> str:
+    """HTML that sends the query that the page was loaded with: once per `key`, however often it is put on the page."""
+    script = f"if(window.gwCame!=='{key}'){{window.gwCame='{key}';gwSend('arrive:'+{_ARRIVED})}}this.remove()"
+    return f'<img src="data:," onerror="{text(script)}" hidden>'
 
 
 def style() -> str:
@@ -79,7 +86,7 @@ class Screen:
             bridge.command("Hotkeys", "H", ShowKeys, "List every hotkey")
             gui.main_panel.dock_left()
             gui.main_panel.set_width(LEFT)
-            bridge.html(bridge.loaded(f"'arrive:'+{_ARRIVED}"))
+            bridge.html(arrival(secrets.token_hex(4)))
         self._moved = False
         self._kept = ""
         self._arrivals = state.arrivals

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from workbench.actions import Download, Effect, Notice, ShowKeys
-from workbench.screen import READERS, Screen, address, style
+from workbench.screen import READERS, Screen, address, arrival, style
 
 
 @pytest.fixture
@@ -77,6 +77,8 @@ def test_the_address_waits_for_the_end_of_a_movement_and_the_page_draws_coarser_
 
 def test_the_query_of_the_page_is_sent_once_it_is_loaded(client, screen):
     assert "arrive:" in client.page() and "encodeURIComponent" in client.page()
+    page = arrival("abc")
+    assert page.count("gwSend") == 1 and page.index("gwCame!==") < page.index("gwSend"), "once, though put there twice"
 
 
 def test_the_address_is_escaped():

@@ -69,12 +69,13 @@ class Stage:
         for handle in (self._camera, self._lens):
             put(handle, wxyz=np.array(turn), position=np.array(place))
         if points:
-            cloud = image.with_camera(camera).points()[image.valid]
-            every = max(1, -(-len(cloud) // _MOST_POINTS))
+            # Of rows and columns alike: every n-th of all pixels would show as stripes.
+            every = math.ceil(math.sqrt(image.depth.size / _MOST_POINTS))
+            valid = image.valid[::every, ::every]
             put(
                 self._points,
-                points=np.ascontiguousarray(cloud[::every], np.float32),
-                colors=np.ascontiguousarray(picture[image.valid][::every]),
+                points=np.asarray(image.with_camera(camera).points()[::every, ::every][valid], np.float32),
+                colors=np.ascontiguousarray(picture[::every, ::every][valid]),
             )
 
 
