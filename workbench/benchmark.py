@@ -30,16 +30,18 @@ FLAGS = (
 )
 """Of a Chromium without screen and GPU: WebGL runs in software, so that frames are slower than on a desktop."""
 _START = 120.0
-_PLAN = "svg.gw-depth g[data-candidate]"
+PLAN = "svg.gw-depth g[data-candidate]"
 _CHANGES = 200
 _DRAG = 6.0
 """Seconds of the drag."""
 _FRAMES = """seconds => new Promise(done => {
-  const places = new Set(), node = () => window.__viserMutable.nodeRefFromName['/inspect/gripper/base'];
-  const end = performance.now() + 1000 * seconds;
-  const look = () => { const p = node().position; places.add(p.x + ',' + p.y + ',' + p.z);
-    performance.now() < end ? requestAnimationFrame(look) : done(places.size); };
+  const bodies = ['gripper/base', 'gripper/left_finger', 'gripper/right_finger', 'objects/0'];
+  const place = name => window.__viserMutable.nodeRefFromName['/inspect/' + name].position.toArray().join();
+  const frames = new Set(), end = performance.now() + 1000 * seconds;
+  const look = () => { frames.add(bodies.map(place).join(';'));
+    performance.now() < end ? requestAnimationFrame(look) : done(frames.size); };
   look(); })"""
+"""JavaScript: how many different frames of a replay are drawn; while the fingers close, nothing else moves."""
 _CLICK = """row => new Promise(done => {
   const node = () => window.__viserMutable.nodeRefFromName['/inspect/gripper/base'];
   const start = performance.now();
@@ -170,7 +172,7 @@ def run(changes: int = _CHANGES) -> Result:
         with _workbench() as (process, url):
             page = browser.new_context(viewport={"width": 1280, "height": 720}).new_page()
             page.goto(url)
-            page.wait_for_selector(_PLAN, timeout=1000 * _START)
+            page.wait_for_selector(PLAN, timeout=1000 * _START)
             first = time.perf_counter() - start
             page.wait_for_timeout(4000)
             rate, latency = _drag(page)

@@ -20,6 +20,7 @@ import viser
 from grasp_core.errors import GraspError
 from workbench.actions import Action, Notice
 from workbench.casting import plain, put, text
+from workbench.colours import Themed
 from workbench.uploads import Limiter
 
 log = logging.getLogger("workbench")
@@ -28,6 +29,8 @@ Post = Callable[[Action], None]
 Reader = Callable[[str], Action]
 Tone = Literal["info", "warning", "error"]
 _TONES: dict[Tone, tuple[int, int, int]] = {"info": (56, 139, 213), "warning": (242, 177, 52), "error": (224, 82, 60)}
+_MOST_TOLD = 240
+"""Characters in a notification."""
 _MESSAGE = re.compile(r"([a-z]{1,20}):([A-Za-z0-9_.,;:=&%+~!*'()-]{0,4000}):[0-9]{1,20}")
 
 
@@ -108,6 +111,7 @@ class Bridge:
         self._section: Section | None = None
         self._within: Section | None = None
         self._limiter = Limiter(client)
+        self._themed: list[tuple[Any, Themed]] = []
         self._keys: list[tuple[str, str, str, Section | None]] = []
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
@@ -207,11 +211,6 @@ class Bridge:
     def onchoice(self, verb: str) -> str:
         """An attribute for a select that sends `verb:value` when another option is chosen."""
         return f"onchange=\"gwSend('{verb}:'+this.value)\""
-
-    def loaded(self, expression: str) -> str:
-        """HTML that sends the value of a JavaScript expression once it is on the page."""
-        script = f"gwSend({expression});this.remove()"
-        return f'<img src="data:," onerror="{text(script)}" hidden>'
 
     def button(
         self,
@@ -382,7 +381,17 @@ class Bridge:
 
         handle.on_update(self._guard(moved))
 
+    def themed(self, handle: Any, colour: Themed) -> None:
+        """Let the colour of a scene node follow the theme; it is made in the dark one."""
+        self._themed.append((handle, colour))
+
+    def theme(self, dark: bool) -> None:
+        """Give what follows the theme its colour."""
+        for handle, colour in self._themed:
+            put(handle, color=colour.dark if dark else colour.light)
+
     def notify(self, tone: Tone, title: str, body: str) -> None:
-        """Show a notification; errors stay until they are closed."""
+        """Show a notification, of long texts the beginning; errors stay until they are closed."""
         seconds = {"error": None, "warning": 15.0}.get(tone, 6.0)
+        body = body if len(body) <= _MOST_TOLD else body[:_MOST_TOLD].rpartition(" ")[0] + " …"
         self.client.add_notification(title, body, auto_close_seconds=seconds, color=_TONES[tone])

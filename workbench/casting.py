@@ -57,9 +57,12 @@ def text(value: object) -> str:
 
 
 def sentence(words: str) -> str:
-    """Words with a capital and a full stop."""
+    """Words with a capital and a full stop; a name that they begin with keeps its first letter."""
     words = words.strip()
-    return words if not words else words[0].upper() + words[1:] + ("" if words[-1] in ".!?" else ".")
+    if not words:
+        return words
+    named = any(sign in words.split()[0] for sign in "._:/")
+    return (words[0] if named else words[0].upper()) + words[1:] + ("" if words[-1] in ".!?" else ".")
 
 
 def pose(transform: NDArray[np.float64]) -> tuple[tuple[float, ...], tuple[float, ...]]:

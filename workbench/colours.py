@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,10 +20,18 @@ OUTCOMES: dict[str, tuple[int, int, int]] = {
 }
 """Of each outcome of an attempt."""
 
+
+class Themed(NamedTuple):
+    """A colour in the dark theme and in the light one."""
+
+    dark: tuple[int, int, int]
+    light: tuple[int, int, int]
+
+
 OBJECT = (205, 160, 105)
-TABLE = (52, 57, 64)
-GRID = (74, 79, 86)
-SHADE = (31, 34, 39)
+TABLE = Themed((52, 57, 64), (196, 202, 210))
+GRID = Themed((74, 79, 86), (158, 166, 176))
+SHADE = Themed((31, 34, 39), (152, 159, 169))
 """Of shadows on the table."""
 FINGER = (84, 150, 230)
 FRAME = (150, 158, 170)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import secrets
 from collections.abc import Callable
 from importlib import resources
 
@@ -25,9 +26,19 @@ _ARRIVED = "location.search.slice(1).replace(/[^A-Za-z0-9_.,;:=&%+~!*'()-]/g,c=>
 """JavaScript: the query that the page was loaded with, in characters that messages may have."""
 
 
+def _asset(name: str) -> str:
+    return (resources.files("workbench") / "assets" / name).read_text()
+
+
+def arrival(key: str) -> str:
+    """HTML that sends the query that the page was loaded with: once per `key`, however often it is put on the page."""
+    script = f"if(window.gwCame!=='{key}'){{window.gwCame='{key}';gwSend('arrive:'+{_ARRIVED})}}this.remove()"
+    return f'<img src="data:," onerror="{text(script)}" hidden>'
+
+
 def style() -> str:
     """The style sheet of everything that this app shows, as HTML."""
-    return f"<style>{(resources.files('workbench') / 'assets' / 'workbench.css').read_text()}</style>"
+    return f"<style>{_asset('workbench.css')}</style>"
 
 
 def address(query: str) -> str:
@@ -38,6 +49,11 @@ def address(query: str) -> str:
         "history.replaceState(null,'','?'+now.toString().replaceAll('%2C',',').replaceAll('%3A',':'));this.remove()"
     )
     return f'<img src="data:," data-query="{text(query)}" onerror="{text(script)}" hidden>'
+
+
+def pace(moving: bool) -> str:
+    """HTML that tells the page whether things move: where there is no GPU, it then draws the scene coarser."""
+    return f'<img src="data:," onerror="gwPace({str(moving).lower()});this.remove()" hidden>'
 
 
 class Screen:
@@ -54,6 +70,8 @@ class Screen:
         with client.atomic():
             self._bridge = bridge = Bridge(client, post, readers)
             bridge.html(style())
+            bridge.html(f'<img src="data:," onerror="{text(_asset("pace.js"))}" hidden>')
+            self._pace = bridge.html()
             self._look = bridge.html()
             self._address = bridge.html()
             self._tabs = bridge.html() if len(shell.views) > 1 else None
@@ -68,7 +86,8 @@ class Screen:
             bridge.command("Hotkeys", "H", ShowKeys, "List every hotkey")
             gui.main_panel.dock_left()
             gui.main_panel.set_width(LEFT)
-            bridge.html(bridge.loaded(f"'arrive:'+{_ARRIVED}"))
+            bridge.html(arrival(secrets.token_hex(4)))
+        self._moved = False
         self._kept = ""
         self._arrivals = state.arrivals
 
@@ -77,6 +96,10 @@ class Screen:
         with self._client.atomic():
             if old is None or old.dark != new.dark:
                 self._theme(new.dark)
+            moving = self._shell.moving(new) or self._shell.ticking(new)
+            if moving != self._moved:
+                self._moved = moving
+                put(self._pace, content=pace(moving))
             if old is None or old.view != new.view:
                 for name, section in self._sections.items():
                     section.show(name == new.view)
@@ -86,7 +109,8 @@ class Screen:
             before = old.of[new.view] if old is not None and same else None
             if before is not new.of[new.view]:
                 self._parts[new.view].update(before, new.of[new.view])
-            if new.arrivals > self._arrivals:  # before, the address is still to be read
+            # Before a page has arrived, its address is still to be read; browsers take long to change it.
+            if new.arrivals > self._arrivals and not self._shell.moving(new):
                 put(self._address, content=address(self._shell.link(new)))
         kept = json.dumps(self._shell.keep(new))
         if kept != self._kept:
@@ -109,6 +133,7 @@ class Screen:
         self._client.gui.configure_theme(
             dark_mode=dark, show_logo=False, show_share_button=False, brand_color=(56, 139, 213)
         )
+        self._bridge.theme(dark)
         put(self._look, content=f'<i class="gw-theme" data-theme="{"dark" if dark else "light"}" hidden></i>')
 
     def _show_keys(self) -> None:

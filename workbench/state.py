@@ -93,6 +93,10 @@ class Shell:
         """Whether the view that is shown wants ticks."""
         return self.views[state.view].ticking(state.of[state.view])
 
+    def moving(self, state: State) -> bool:
+        """Whether something is being moved by hand in the view that is shown."""
+        return self.views[state.view].moving(state.of[state.view])
+
     def link(self, state: State) -> str:
         """The query of a link to what is shown."""
         return urlencode({"view": state.view, **self.views[state.view].link(state.of[state.view])}, safe=",:.")

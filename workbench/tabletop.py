@@ -6,7 +6,7 @@ GPU. Here the grid is a mesh of thin strips, and a shadow is the convex pieces o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -15,6 +15,7 @@ import viser
 from numpy.typing import NDArray
 
 from workbench import colours
+from workbench.bridge import Bridge
 from workbench.casting import plain, put
 
 _SUN = (-0.42, -0.3, 1.0)
@@ -32,16 +33,9 @@ Body = tuple[Any, Sequence[NDArray[np.floating[Any]]]]
 """A scene node, and the corners (K, 3) of the convex pieces of what it shows, in the node's frame."""
 
 
-def furnish(scene: viser.SceneApi, node: Callable[[str], str]) -> viser.MeshHandle:
-    """Put light, table and grid into a scene.
-
-    Args:
-        scene: of a browser.
-        node: full name of a scene node.
-
-    Returns:
-        the grid, which may be hidden.
-    """
+def furnish(bridge: Bridge) -> viser.MeshHandle:
+    """Put light, table and grid into a scene; gives the grid, which may be hidden."""
+    scene, node = bridge.client.scene, bridge.node
     scene.add_light_ambient(node("/light/all"), color=(255, 255, 255), intensity=0.75)
     scene.add_light_directional(
         node("/light/sun"), color=(255, 250, 240), intensity=1.9, cast_shadow=False, position=_SUN
@@ -49,9 +43,13 @@ def furnish(scene: viser.SceneApi, node: Callable[[str], str]) -> viser.MeshHand
     scene.add_light_hemisphere(node("/light/sky"), sky_color=(225, 235, 255), ground_color=(70, 66, 60), intensity=0.8)
     side, depth = 2 * _HALF, 0.02
     place = (0, 0, _HEIGHTS["table"] - depth / 2)
-    scene.add_box(node("/table"), color=colours.TABLE, dimensions=(side, side, depth), position=place, **_FLAT)
-    vertices, faces = strips()
-    return scene.add_mesh_simple(node("/grid"), vertices, faces, color=colours.GRID, **_FLAT)
+    table = scene.add_box(
+        node("/table"), color=colours.TABLE.dark, dimensions=(side, side, depth), position=place, **_FLAT
+    )
+    grid = scene.add_mesh_simple(node("/grid"), *strips(), color=colours.GRID.dark, **_FLAT)
+    bridge.themed(table, colours.TABLE)
+    bridge.themed(grid, colours.GRID)
+    return grid
 
 
 def strips() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
@@ -77,15 +75,14 @@ def outline(corners: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
 
 
 class Shadows:
-    """The shadows that some bodies cast on the table, as one flat mesh.
+    """The shadows that some bodies cast on the table, as one flat mesh."""
 
-    Args:
-        scene: of a browser.
-        node: full name of a scene node.
-    """
-
-    def __init__(self, scene: viser.SceneApi, node: Callable[[str], str]) -> None:
-        self._mesh = scene.add_mesh_simple(node("/shadows"), *_NOTHING, color=colours.SHADE, visible=False, **_FLAT)
+    def __init__(self, bridge: Bridge) -> None:
+        scene = bridge.client.scene
+        self._mesh = scene.add_mesh_simple(
+            bridge.node("/shadows"), *_NOTHING, color=colours.SHADE.dark, visible=False, **_FLAT
+        )
+        bridge.themed(self._mesh, colours.SHADE)
         self._cast: tuple[object, ...] = ()
 
     def cast(self, bodies: Sequence[Body]) -> None:

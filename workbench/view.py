@@ -58,6 +58,10 @@ class View(Protocol):
         """Whether `Tick`s are wanted, 30 a second."""
         ...
 
+    def moving(self, state: Any) -> bool:
+        """Whether a person is moving something right now: what need not follow at once waits for the end of it."""
+        ...
+
     def link(self, state: Any) -> Mapping[str, str]:
         """The query that restores this state, besides `view`."""
         ...

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from workbench.benchmark import FLAGS
+from workbench.benchmark import FLAGS, PLAN
 
 START = 240
 """Seconds that the workbench may take to print its address on a busy machine."""
@@ -64,7 +64,6 @@ def workbench(chromium, tmp_path_factory):
         process.wait(20)
 
 
-PLAN = "svg.gw-depth g[data-candidate]"
 WAIT = 90_000
 """Milliseconds that anything may take on a busy machine without a GPU."""
 

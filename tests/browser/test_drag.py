@@ -2,7 +2,7 @@
 
 import re
 
-from workbench.benchmark import HANDLE
+from workbench.benchmark import HANDLE, PLAN
 
 
 def drag(page, offset, dx, dy, steps=40):
@@ -36,6 +36,19 @@ def test_image_scores_and_candidates_follow_a_drag(page):
     assert "at=" in raw.url and "loose" not in raw.url
     page.rows().first.click()
     page.tried()
+
+
+def test_without_a_gpu_the_scene_is_drawn_coarser_while_it_moves(browser_page, workbench):
+    page = browser_page()
+    raw = page.raw
+    raw.goto(workbench.url)
+    raw.wait_for_selector(PLAN)
+    raw.wait_for_timeout(1500)
+    share = "(() => { const c = document.querySelector('canvas[data-engine]'); return c.width / c.clientWidth })()"
+    drag(page, [0.09, 0, 0], -30, 12)
+    page.until(f"{share} < 0.5")
+    raw.mouse.up()
+    page.until(f"{share} === 1")
 
 
 def test_a_lifted_object_is_settled_before_it_is_tried(page):

@@ -67,7 +67,7 @@ def test_an_own_mesh_is_settled_planned_on_and_tried_and_its_name_is_text(page, 
     page.tab("Inputs")
     page.choose("Mesh unit", "millimetres")
     upload(page, "Upload a mesh", path)
-    page.until("document.querySelector('.gw-facts').innerText.includes('12.0')")
+    page.until("document.querySelector('.gw-facts').innerText.includes('120 ×')")
     page.settled()
     assert page.raw.locator(".gw-item", has_text="onerror=window.hacked").count() == 1
     assert page.raw.evaluate("window.hacked") is None

@@ -345,6 +345,9 @@ class Counter:
     def ticking(self, state):
         return 0 < state < 5
 
+    def moving(self, state):
+        return state == 9
+
     def link(self, state):
         return {"value": str(state)}
 

@@ -45,4 +45,5 @@ def test_poses_are_handed_over_as_quaternion_and_place():
 
 def test_sentences():
     assert sentence("held to the end") == "Held to the end."
+    assert sentence("mm.npy: no metres") == "mm.npy: no metres." and sentence("box_003 fell") == "box_003 fell."
     assert sentence("Done!") == "Done!" and sentence("  ") == ""

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from workbench.actions import Download, Effect, Notice, ShowKeys
-from workbench.screen import READERS, Screen, address, style
+from workbench.screen import READERS, Screen, address, arrival, style
 
 
 @pytest.fixture
@@ -61,8 +61,24 @@ def test_the_theme_follows(client, shell, screen):
     assert 'data-theme="light"' in client.page()
 
 
+def test_the_address_waits_for_the_end_of_a_movement_and_the_page_draws_coarser_meanwhile(client, shell, screen):
+    from dataclasses import replace
+
+    still = replace(shell.first({}), arrivals=1)
+    screen.update(None, still)
+    assert "value=0" in client.page() and "gwPace(true)" not in client.page()
+    moved = still.having("count", 9)
+    screen.update(still, moved)
+    assert "value=9" not in client.page() and "gwPace(true)" in client.page()
+    let_go = still.having("count", 10)
+    screen.update(moved, let_go)
+    assert "value=10" in client.page() and "gwPace(false)" in client.page()
+
+
 def test_the_query_of_the_page_is_sent_once_it_is_loaded(client, screen):
     assert "arrive:" in client.page() and "encodeURIComponent" in client.page()
+    page = arrival("abc")
+    assert page.count("gwSend") == 1 and page.index("gwCame!==") < page.index("gwSend"), "once, though put there twice"
 
 
 def test_the_address_is_escaped():

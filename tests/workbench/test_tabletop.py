@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
+from workbench import colours
 from workbench.tabletop import Shadows, box_corners, furnish, outline, strips
 
 
 @pytest.fixture
-def shadows(client):
-    return Shadows(client.scene, lambda name: name), next(h for h in client.made if h.label == "/shadows")
+def shadows(client, bridge):
+    return Shadows(bridge), next(h for h in client.made if h.label == "/shadows")
 
 
 def body(client, place, visible=True, wxyz=(1.0, 0.0, 0.0, 0.0)):
@@ -24,12 +25,21 @@ def area(mesh):
     return (ax * by - ay * bx) / 2
 
 
-def test_what_stands_in_a_scene_casts_and_takes_no_shadow_maps(client):
-    grid = furnish(client.scene, lambda name: f"/part{name}")
+def test_what_stands_in_a_scene_casts_and_takes_no_shadow_maps(client, bridge):
+    with bridge.section("/part"):
+        grid = furnish(bridge)
     assert grid.label == "/part/grid"
     made = {handle.label: handle for handle in client.made}
     assert {"/part/light/sun", "/part/light/all", "/part/light/sky", "/part/table"} <= set(made)
     assert not made["/part/light/sun"].cast_shadow and np.any(made["/part/light/sun"].position)
+
+
+def test_table_grid_and_shadows_follow_the_theme(client, bridge, shadows):
+    grid, (_, shade) = furnish(bridge), shadows
+    table = next(h for h in client.made if h.label == "/table")
+    assert (table.color, grid.color, shade.color) == (colours.TABLE.dark, colours.GRID.dark, colours.SHADE.dark)
+    bridge.theme(False)
+    assert (table.color, grid.color, shade.color) == (colours.TABLE.light, colours.GRID.light, colours.SHADE.light)
 
 
 def test_the_grid_has_a_line_every_five_centimetres():

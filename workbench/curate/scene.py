@@ -23,8 +23,8 @@ class SampleScene:
     def __init__(self, bridge: Bridge, gripper: Gripper) -> None:
         self._gripper = gripper
         scene = bridge.client.scene
-        furnish(scene, bridge.node)
-        self._shadows = Shadows(scene, bridge.node)
+        furnish(bridge)
+        self._shadows = Shadows(bridge)
         nothing = (np.zeros((3, 3), np.float32), np.array([[0, 1, 2]], np.uint32))
         self._objects = [
             scene.add_mesh_simple(

@@ -109,6 +109,10 @@ class Curation:
         """See `View`."""
         return state.playing is not None and state.playing.playing
 
+    def moving(self, state: State) -> bool:
+        """See `View`."""
+        return False
+
     def link(self, state: State) -> Mapping[str, str]:
         """See `View`."""
         found = {}

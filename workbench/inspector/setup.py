@@ -66,7 +66,8 @@ class Setup(config.Settings):
                 if value not in field.options and not (value == "" and name == "beside"):
                     raise ValueError(f"{field.label}: '{str(value)[:40]}' is none of {', '.join(field.options)}")
             elif not (math.isfinite(value) and field.low <= value <= field.high):
-                raise ValueError(f"{field.label} runs from {field.low:g} to {field.high:g} {field.unit}, not {value}")
+                span = f"{field.low:g} to {field.high:g} {field.unit}".rstrip()
+                raise ValueError(f"{field.label} runs from {span}, not {value:g}")
 
     @property
     def plans(self) -> dict[str, Any]:

@@ -76,6 +76,10 @@ class Inspector:
         """See `View`."""
         return state.playback is not None and state.playback.playing
 
+    def moving(self, state: State) -> bool:
+        """See `View`."""
+        return state.dragging
+
     def link(self, state: State) -> Mapping[str, str]:
         """See `View`."""
         return links.to_query(state)

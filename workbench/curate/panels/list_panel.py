@@ -228,6 +228,8 @@ def bulk(state: State, bridge: Bridge) -> str:
             f'background:#5aaaeb"></i></div><div class="gw-bar"><small>relabelled {done:,} of {total:,}</small>'
             f"{bridge.button('Stop', 'cstop:', hint='no label is changed then')}</div>"
         )
+    if state.shelf is None:
+        return ""
     if state.bulk is None:
         buttons = "".join(bridge.button(name, f"cbulk:{name}", hint="count first, then ask") for name in BULK)
         return f'<small>the whole list is</small><div class="gw-bar gw-small">{buttons}</div>'

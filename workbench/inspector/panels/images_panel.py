@@ -166,8 +166,10 @@ def detail(state: State) -> str:
 
 def _crop(state: State) -> str:
     candidate, scene, choice = state.candidate, state.scene, state.choice
+    hint = "What the Refined Network saw: depth round the grasp, turned so that the fingers close left to right"
+    title = f'<h4 title="{hint}">The network saw</h4>'
     if candidate is None or scene is None or choice is None:
-        return '<div class="gw-empty">No candidate is selected.</div>'
+        return f'{title}<div class="gw-empty">No candidate is selected.</div>'
     crops = scene.sight.crops[choice.side]
     if crops is None:
         shown = '<div class="gw-empty">The weights are for another gripper: the network sees nothing here.</div>'
@@ -178,8 +180,7 @@ def _crop(state: State) -> str:
         f"<b>{choice.index + 1}</b> score <b>{candidate.score:.3f}</b><br>u {seen.u:.0f} v {seen.v:.0f} px<br>"
         f"d {seen.depth:.3f} m<br>φ {math.degrees(candidate.grasp.angle):.0f}°, w {1000 * candidate.grasp.width:.0f} mm"
     )
-    hint = "What the Refined Network saw: depth round the grasp, turned so that the fingers close left to right"
-    return f'<h4 title="{hint}">The network saw</h4><div class="gw-seen">{shown}<small>{told}</small></div>'
+    return f'{title}<div class="gw-seen">{shown}<small>{told}</small></div>'
 
 
 def _asked(state: State) -> str:

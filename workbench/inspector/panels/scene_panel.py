@@ -118,18 +118,18 @@ def facts(state: State, bridge: Bridge) -> str:
         return f"<b>{text(name)}</b> · {k.width} × {k.height} px<br><small>own depth image, no physics</small>"
     lines = []
     for index, (placed, rest) in enumerate(zip(state.scene.scene.objects, state.scene.rests, strict=True)):
-        size = " × ".join(f"{100 * side:.1f}" for side in placed.asset.extents)
+        size = " × ".join(f"{1000 * side:.0f}" for side in placed.asset.extents)
         if index < len(state.request.things) and state.request.things[index].loose:
-            how = "lifted or tipped: not at rest"
+            how = "not at rest"
         elif rest.pose is None:
             how = "moved by hand"
         else:
-            how = f"pose {rest.pose + 1} of {len(rest.poses)}, {100 * rest.poses[rest.pose][1]:.0f} %"
+            how = f"pose {rest.pose + 1}/{len(rest.poses)}, {100 * rest.poses[rest.pose][1]:.0f} %"
         held = len(state.scene.scene.objects) > 1 and index == state.grabbed
         look = ' class="gw-held"' if held else ""
         lines.append(
             f'<div{look} {bridge.onclick(f"grab:{index}")} title="{_FACTS}"><b>{text(placed.asset.name)}</b>'
-            f" · {size} cm · <small>{how}</small></div>"
+            f" · {size} mm · <small>{how}</small></div>"
         )
     return "".join(lines)
 

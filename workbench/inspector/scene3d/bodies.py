@@ -119,7 +119,7 @@ class Bodies:
         scene = bridge.client.scene
         self._cast = Cast(bridge, "", False)
         self._ghost = Cast(bridge, "/compared", True)
-        self._shadows = Shadows(scene, bridge.node)
+        self._shadows = Shadows(bridge)
         self._forces = scene.add_line_segments(
             bridge.node("/contacts"), points=np.zeros((1, 2, 3), np.float32), colors=colours.FORCE, thickness=0.0016,
             visible=False,

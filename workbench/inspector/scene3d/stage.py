@@ -27,7 +27,7 @@ class Stage:
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)
         scene.configure_default_lights(enabled=False)
-        self._grid = furnish(scene, node)
+        self._grid = furnish(bridge)
         self._world = scene.add_frame(node("/frames/world"), **_AXES)
         self._lens = scene.add_frame(node("/frames/camera"), **_AXES)
         self._camera = scene.add_camera_frustum(
@@ -38,12 +38,15 @@ class Stage:
             node("/points"), points=np.zeros((1, 3), np.float32), colors=(255, 255, 255), point_size=0.0012,
             point_shape="circle", precision="float32", visible=False,
         )  # fmt: skip
+        self._drawn: tuple[object, ...] = ()
 
     def update(self, old: State | None, new: State) -> None:
         """Show `new`."""
         opened = new.scene
         camera = None if opened is None else _seen_from(opened.sight)
-        if opened is not None and camera is not None and (old is None or old.scene is not opened or _other(old, new)):
+        drawn = (opened, new.picture.colours, "points" in new.shown, new.dragging)
+        if opened is not None and camera is not None and drawn != self._drawn:
+            self._drawn = drawn
             self._show(new, opened.sight, camera)
         own = new.request.photo is not None
         put(self._grid, visible="grid" in new.shown)
@@ -54,6 +57,9 @@ class Stage:
 
     def _show(self, state: State, sight: Sight, camera: Camera) -> None:
         image, k = sight.image, camera.intrinsics
+        points = "points" in state.shown or state.request.photo is not None
+        if not points and state.dragging:
+            return  # the small picture in the camera follows when the object is let go
         near, far = colours.depth_range(image.depth, image.valid)
         picture = colours.depth(image.depth, image.valid, near, far, state.picture.colours)
         step = max(1, image.depth.shape[1] // 320)
@@ -62,18 +68,15 @@ class Stage:
         turn, place = pose(camera.pose)
         for handle in (self._camera, self._lens):
             put(handle, wxyz=np.array(turn), position=np.array(place))
-        if "points" in state.shown or state.request.photo is not None:
-            points = image.with_camera(camera).points()[image.valid]
-            every = max(1, -(-len(points) // _MOST_POINTS))
+        if points:
+            # Of rows and columns alike: every n-th of all pixels would show as stripes.
+            every = math.ceil(math.sqrt(image.depth.size / _MOST_POINTS))
+            valid = image.valid[::every, ::every]
             put(
                 self._points,
-                points=np.ascontiguousarray(points[::every], np.float32),
-                colors=np.ascontiguousarray(picture[image.valid][::every]),
+                points=np.asarray(image.with_camera(camera).points()[::every, ::every][valid], np.float32),
+                colors=np.ascontiguousarray(picture[::every, ::every][valid]),
             )
-
-
-def _other(old: State, new: State) -> bool:
-    return "points" in old.shown ^ new.shown or old.picture.colours != new.picture.colours
 
 
 def _seen_from(sight: Sight) -> Camera | None:

@@ -39,7 +39,7 @@ def replay_page(scene: Scene, setup: Setup, attempt: Try, title: str) -> bytes:
         stage = server.scene
         stage.set_up_direction("+z")
         stage.configure_default_lights(cast_shadow=False)
-        stage.add_box("/table", color=colours.TABLE, dimensions=(0.9, 0.9, 0.02), position=(0, 0, -0.0105))
+        stage.add_box("/table", color=colours.TABLE.dark, dimensions=(0.9, 0.9, 0.02), position=(0, 0, -0.0105))
         for number, placed in enumerate(scene.objects):
             vertices, faces = shaded(placed.asset.mesh)
             nodes[f"object_{number}"] = stage.add_mesh_simple(

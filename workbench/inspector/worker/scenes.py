@@ -12,8 +12,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core.camera import Camera, load_camera, look_down
+from grasp_core.camera import Camera, CameraIntrinsics, load_camera, look_down
 from grasp_core.errors import GraspError
+from grasp_core.gripper import Gripper, load_gripper
 from grasp_core.objects.asset import ObjectAsset
 from grasp_core.scene import PlacedObject, Scene, place
 from grasp_core.simulation.physics import load_physics
@@ -78,9 +79,20 @@ def _path(thing: Thing, files: Files) -> str | None:
     return str(file_of(thing.name, files)) if thing.name.startswith("mesh-") else None
 
 
+@lru_cache(maxsize=16)
+def gripper_of(name: str) -> Gripper:
+    """A shipped gripper; reading its file takes as long as rendering an image."""
+    return load_gripper(name)
+
+
+@lru_cache(maxsize=16)
+def _intrinsics(name: str) -> CameraIntrinsics:
+    return load_camera(name).intrinsics
+
+
 def camera_of(setup: Setup) -> Camera:
     """The camera above a simulated scene, looking at the table's centre."""
-    return Camera(load_camera(setup.camera).intrinsics, look_down(setup.height, tilt=np.radians(setup.tilt)))
+    return Camera(_intrinsics(setup.camera), look_down(setup.height, tilt=np.radians(setup.tilt)))
 
 
 def make_scene(request: SceneRequest, setup: Setup, files: Files) -> tuple[SceneRequest, Scene, tuple[Rest, ...]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from grasp_core.camera import DepthImage
 from grasp_core.errors import GraspError
-from grasp_core.gripper import Gripper, load_gripper
+from grasp_core.gripper import Gripper
 from grasp_core.planning.places import PlaceScores, candidate_crops, score_place
 from grasp_core.planning.planner import Plan, Planner
 from grasp_core.planning.variants import make_variant, needs_networks
@@ -21,7 +21,7 @@ from grasp_core.sensing.noise import ImageNoise, add_noise
 from workbench.inspector.orders import OpenedScene, SceneRequest, Sight
 from workbench.inspector.setup import Setup
 from workbench.inspector.worker.photos import read_photo
-from workbench.inspector.worker.scenes import Files, make_scene
+from workbench.inspector.worker.scenes import Files, gripper_of, make_scene
 
 if TYPE_CHECKING:
     from grasp_core.networks.runtime import Runtime
@@ -41,7 +41,7 @@ def _planner(name: str, settings: tuple[tuple[str, float], ...], gripper: str, w
     changes = dict(settings)
     if runtime is None:
         del changes["threshold"]  # t is a probability, which their scores are not
-    return make_variant(name, changes, gripper=load_gripper(gripper), weights=weights, runtime=runtime)
+    return make_variant(name, changes, gripper=gripper_of(gripper), weights=weights, runtime=runtime)
 
 
 class _Clock:
@@ -62,7 +62,7 @@ def open_scene(request: SceneRequest, setup: Setup, files: Files) -> OpenedScene
         GraspError: an object, file or camera is not there or of no use, or objects do not come to rest.
     """
     clock = _Clock()
-    gripper = load_gripper(setup.gripper)
+    gripper = gripper_of(setup.gripper)
     if request.photo is not None:
         image = read_photo(request.photo, files)
         clock.lap("read")
@@ -80,7 +80,7 @@ def see(request: SceneRequest, setup: Setup, files: Files) -> Sight:
         GraspError: as `open_scene`.
     """
     clock = _Clock()
-    gripper = load_gripper(setup.gripper)
+    gripper = gripper_of(setup.gripper)
     if request.photo is not None:
         image = read_photo(request.photo, files)
         clock.lap("read")
@@ -147,7 +147,7 @@ def ask_place(image: DepthImage, setup: Setup, u: float, v: float) -> PlaceScore
     Raises:
         GraspError: the weights are for another gripper, or the pixel lies outside.
     """
-    gripper = load_gripper(setup.gripper)
+    gripper = gripper_of(setup.gripper)
     runtime = _runtime(setup.weights)
     runtime.meta.check(gripper)
     return score_place(image, u, v, runtime, gripper)

@@ -13,7 +13,7 @@ from workbench.inspector.panels.scene_panel import OWN, READERS, ScenePanel, fac
 
 def test_facts_say_what_is_shown(shown, bridge):
     told = facts(shown, bridge)
-    assert "box_003" in told and "12.0 × 4.0 × 6.0 cm" in told and "pose 1 of 2, 75 %" in told
+    assert "box_003" in told and "120 × 40 × 60 mm" in told and "pose 1/2, 75 %" in told
 
 
 def test_facts_while_working_and_after_a_failure(state, shown, bridge):
