@@ -124,7 +124,14 @@ class Bridge:
             "i.dispatchEvent(new Event('input',{bubbles:true}))};"
             # Where the pointer is on an SVG, in its own units.
             "window.gwAt=(s,e)=>{const p=new DOMPoint(e.clientX,e.clientY).matrixTransform(s.getScreenCTM().inverse());"
-            "return (p.x-0.5).toFixed(1)+','+(p.y-0.5).toFixed(1)};this.remove()"
+            "return (p.x-0.5).toFixed(1)+','+(p.y-0.5).toFixed(1)};"
+            # What is pressed may be put on the page anew before it is released: browsers then see no click.
+            "if(!window.gwHeld){window.gwHeld={};const of=e=>e.target.closest&&e.target.closest('[onclick]');"
+            "window.addEventListener('pointerdown',e=>{gwHeld.on=of(e)},true);"
+            "window.addEventListener('pointerup',e=>{const was=gwHeld.on,now=of(e);"
+            "if(was&&now&&!was.isConnected&&was.getAttribute('onclick')===now.getAttribute('onclick'))"
+            "now.dispatchEvent(new MouseEvent('click',{bubbles:true,clientX:e.clientX,clientY:e.clientY}))},true)};"
+            "this.remove()"
         )
         client.gui.add_html(
             f'<style>div:has(> div > div > p > label[for="{uuid}"]){{display:none}}</style>'

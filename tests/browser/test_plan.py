@@ -107,3 +107,13 @@ def test_one_click_makes_another_scene(page, button):
         assert facts.locator("b").count() == 3
         facts.locator("div[onclick]").nth(2).click()
         page.raw.wait_for_selector(".gw-facts div:nth-child(3).gw-held")
+
+
+def test_a_click_counts_though_its_row_is_put_on_the_page_anew_meanwhile(page):
+    row = page.rows().first
+    box = row.bounding_box()
+    page.raw.mouse.move(box["x"] + 20, box["y"] + box["height"] / 2)
+    page.raw.mouse.down()
+    row.evaluate("row => { row.outerHTML = row.outerHTML }")
+    page.raw.mouse.up()
+    page.tried()

@@ -215,9 +215,9 @@ def test_impossible_settings_are_refused(key, value):
 
 @pytest.mark.skipif("GRASP_TEST_DATA" not in os.environ, reason="GRASP_TEST_DATA names no folder of real files")
 @pytest.mark.parametrize("name", ["clutter_0", "depth_0", "depth_1", "depth_2", "depth_3", "depth_4"])
-def test_grasps_on_real_images_lie_on_objects_and_not_on_the_robot(planner, name, rng):
+def test_grasps_on_real_images_lie_on_objects_and_not_on_the_robot(make_runtime, name, rng):
     image = read_depth(Path(os.environ["GRASP_TEST_DATA"]) / "primesense" / f"{name}.npy", load_camera("primesense"))
-    plan = planner(image, rng=rng)
+    plan = CascadePlanner(make_runtime(), GRIPPER, settings(threshold=0.5))(image, rng=rng)
     assert plan.candidates
     for candidate in plan.candidates:
         assert 230 < candidate.image.u < 480 and 100 < candidate.image.v < 340
