@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,7 @@ from grasp_core.gripper import Gripper
 from grasp_core.planning.crops import canvas_yaw, deepen, grasp_positions, sample
 from grasp_core.planning.planner import Candidate
 from grasp_core.planning.view import TableView
+from grasp_core.sensing.lookup import look_up
 
 _REACH = 0.003
 """Metres: a surface counts as in the way from this far above the finger tips on; less is noise."""
@@ -113,19 +115,12 @@ def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.boo
     Fingers and rod are compared with the depth image under their footprints. Where something hides a place from the
     camera, it may be as full as what hides it is high: there the ends of the fingers and the rod must be in sight.
     """
-    half = gripper.opening / 2
-    inner, outer = half, half + gripper.finger.x
-    along = np.linspace(inner, outer, 3)
-    across = np.linspace(-gripper.finger.y / 2, gripper.finger.y / 2, 5)
-    fingers = np.stack(np.meshgrid(np.concatenate([-along, along]), across), axis=-1).reshape(-1, 2)
-    bar = np.linspace(-gripper.rod.x / 2, gripper.rod.x / 2, 13)
-    rod = np.stack(np.meshgrid(bar, np.linspace(-gripper.rod.y / 2, gripper.rod.y / 2, 3)), axis=-1).reshape(-1, 2)
+    across, down = _placing(batch, view)
     left = np.arange(len(batch))
-    for footprint, above in ((fingers, _REACH), (rod, gripper.finger.z)):
+    for footprint, above in _footprints(gripper):
         for check in (_above_surface, _in_sight):
-            part = batch[left]
-            right, down = _under(part, view, footprint)
-            left = left[check(part.depth - above, right, down, view).all(axis=1)]
+            height = batch.depth[left] - above
+            left = left[check(height, across[left] @ footprint, down[left] @ footprint, view).all(axis=1)]
     free = np.zeros(len(batch), np.bool_)
     free[left] = True
     return free
@@ -171,21 +166,32 @@ def reach_share(batch: Batch, view: TableView, gripper: Gripper, noise: PoseNois
     return free.mean(axis=1, dtype=np.float32)
 
 
-def _under(
-    batch: Batch, view: TableView, footprint: NDArray[np.float64]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Where footprint points (P, 2) (along and across the closing axis, metres) of each grasp stand.
+@lru_cache(maxsize=8)
+def _footprints(gripper: Gripper) -> tuple[tuple[NDArray[np.float32], float], ...]:
+    """Points (3, P) under the fingers and under the rod, and how far above p they count from, metres.
 
-    Returns:
-        Metres to the right and down the canvas from the place under the canonical camera, (N, P) each.
+    Rows are ones, metres along the closing axis and metres across it; see `_placing`.
+    """
+    half, finger, rod = gripper.opening / 2, gripper.finger, gripper.rod
+    sides = np.linspace(half, half + finger.x, 3)
+    jaws = np.meshgrid(np.concatenate([-sides, sides]), np.linspace(-finger.y / 2, finger.y / 2, 5))
+    bar = np.meshgrid(np.linspace(-rod.x / 2, rod.x / 2, 13), np.linspace(-rod.y / 2, rod.y / 2, 3))
+    return tuple(
+        (np.stack([np.ones(along.size), along.ravel(), across.ravel()]).astype(np.float32), above)
+        for (along, across), above in ((jaws, _REACH), (bar, finger.z))
+    )
+
+
+def _placing(batch: Batch, view: TableView) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """What takes footprint points to metres right of and down from the place under the canonical camera, (N, 3) each.
+
+    Columns go with rows of a footprint: p itself, along and across the closing axis.
     """
     yaw = canvas_yaw(view.camera)
-    offset = batch.position[:, :2] - view.camera.pose[:2, 3]
-    right = (np.cos(yaw) * offset[:, 0] + np.sin(yaw) * offset[:, 1]).astype(np.float32)
-    down = (np.sin(yaw) * offset[:, 0] - np.cos(yaw) * offset[:, 1]).astype(np.float32)
-    cos, sin = (f(batch.angle).astype(np.float32)[:, None] for f in (np.cos, np.sin))
-    along, across = footprint.T.astype(np.float32)
-    return right[:, None] + cos * along + sin * across, down[:, None] - sin * along + cos * across
+    x, y = (batch.position[:, :2] - view.camera.pose[:2, 3]).T
+    cos, sin = np.cos(batch.angle), np.sin(batch.angle)
+    right, down = np.cos(yaw) * x + np.sin(yaw) * y, np.sin(yaw) * x - np.cos(yaw) * y
+    return np.stack([right, cos, sin], 1).astype(np.float32), np.stack([down, -sin, cos], 1).astype(np.float32)
 
 
 def _above_surface(
@@ -194,10 +200,8 @@ def _above_surface(
     """Boolean (N, P): whether points at z-depths (N,) lie above the surface on the canvas."""
     k = view.camera.intrinsics
     focal = (k.fx / depth).astype(np.float32)[:, None]
-    columns, rows = np.rint(k.cx + focal * right).astype(np.intp), np.rint(k.cy + focal * down).astype(np.intp)
-    inside = (columns >= 0) & (columns < k.width) & (rows >= 0) & (rows < k.height)
-    index = np.where(inside, rows * k.width + columns, 0)
-    return np.asarray(~inside | (view.smooth.reshape(-1)[index] > depth[:, None]))
+    u, v = focal * right + np.float32(k.cx), focal * down + np.float32(k.cy)
+    return np.asarray(look_up(view.smooth, u, v, outside=np.inf) > depth[:, None])
 
 
 def _in_sight(

@@ -21,15 +21,13 @@ from numpy.typing import ArrayLike, NDArray
 from grasp_core import config
 from grasp_core.camera import Camera
 from grasp_core.networks.weights import CropSpec
+from grasp_core.sensing.lookup import look_up
 
 CROP_SCALE = 0.05
 """Metres per unit of a crop's content."""
 
 CROP_RANGE = 2.0
 """Crop contents are clipped to ±2 units, 10 cm above and below the finger tips: finger and rod fit in between."""
-
-_MOST_CROPS = 8192
-"""Crops warped at once: OpenCV takes maps of at most 32,767 rows."""
 
 
 class DepthRule(config.Settings):
@@ -151,25 +149,23 @@ def crops(
     u, v, angle, grasp_depth = (
         np.atleast_1d(np.asarray(array, np.float32))[:, None] for array in (u, v, angle, grasp_depth)
     )
-    count, size = len(u), spec.size
+    size = spec.size
     step = spec.context * opening * camera.intrinsics.fx / (size * grasp_depth)
     offset = np.arange(size, dtype=np.float32) - np.float32((size - 1) / 2)
-    right, down = (plane.reshape(1, -1) for plane in np.meshgrid(offset, offset))
+    right, down = (plane.reshape(-1) for plane in np.meshgrid(offset, offset))
     cos, sin = np.cos(angle) * step, np.sin(angle) * step
-    map_u = u + cos * right + sin * down
-    map_v = v - sin * right + cos * down
-    source = _averaged(depth, spec, camera, opening)
-    table = float(camera.pose[2, 3])
-    warped = np.empty((count, size * size), np.float32)
-    for start in range(0, count, _MOST_CROPS):
-        part = slice(start, start + _MOST_CROPS)
-        warped[part] = cv2.remap(
-            source, map_u[part], map_v[part], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=table
-        )
+    grid = np.stack([np.ones_like(right), right, down])
+    warped = look_up(
+        _averaged(depth, spec, camera, opening),
+        np.hstack([u, cos, sin]) @ grid,
+        np.hstack([v, -sin, cos]) @ grid,
+        outside=float(camera.pose[2, 3]),
+        linear=True,
+    )
     warped -= grasp_depth
     warped /= np.float32(CROP_SCALE)
     np.clip(warped, -CROP_RANGE, CROP_RANGE, out=warped)
-    return warped.reshape(count, size, size)
+    return warped.reshape(len(u), size, size)
 
 
 def _averaged(depth: NDArray[np.float32], spec: CropSpec, camera: Camera, opening: float) -> NDArray[np.float32]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from grasp_core.camera import CANONICAL_HEIGHT, Camera, CameraIntrinsics, DepthImage, canonical_camera
 from grasp_core.errors import ImageError
+from grasp_core.sensing.lookup import look_up
 from grasp_core.sensing.rays import pixel_rays
 from grasp_core.sensing.table import find_table
 
@@ -105,9 +106,7 @@ class Rectified:
             np.float32(foot) + (np.float32(_DENSITY) * offset + np.float32(principal - foot)) * stretch
             for offset, principal, foot in ((right, k.cx, self.foot[0]), (down, k.cy, self.foot[1]))
         )
-        inside = (u > -0.5) & (u < k.width - 0.5) & (v > -0.5) & (v < k.height - 0.5)
-        index = np.where(inside, np.rint(v) * k.width + np.rint(u), 0).astype(np.intp)
-        return np.asarray(inside & (self._occluders.reshape(-1)[index] > height))
+        return np.asarray(look_up(self._occluders, u, v, outside=-np.inf) > height)
 
     def carry(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """A mask of the input (H, W) → of the canvas; false where nothing was seen.
