@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,8 @@ from grasp_core.sensing.lookup import look_up
 
 _REACH = 0.003
 """Metres: a surface counts as in the way from this far above the finger tips on; less is noise."""
+_SPACING = 0.005
+"""Metres, at most, between points of a footprint."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,15 +114,15 @@ def spread_angles(pixels: int, angles: int, rng: np.random.Generator) -> NDArray
 def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.bool_]:
     """Boolean (N,): whether the open gripper comes straight down to p without meeting the surface that was seen.
 
-    Fingers and rod are compared with the depth image under their footprints. Where something hides a place from the
-    camera, it may be as full as what hides it is high: there the ends of the fingers and the rod must be in sight.
+    Fingers, rod and base are compared with the depth image under their footprints. Where something hides a place from
+    the camera, it may be as full as what hides it is high: the lower ends of all of them must be in sight.
     """
     across, down = _placing(batch, view)
     left = np.arange(len(batch))
-    for footprint, above in _footprints(gripper):
-        for check in (_above_surface, _in_sight):
-            height = batch.depth[left] - above
-            left = left[check(height, across[left] @ footprint, down[left] @ footprint, view).all(axis=1)]
+    for (footprint, above), surface in zip(_footprints(gripper), (view.smooth, view.crests, view.crests), strict=True):
+        for clear in (partial(_above_surface, surface=surface), _in_sight):
+            depth = batch.depth[left] - above
+            left = left[clear(depth, across[left] @ footprint, down[left] @ footprint, view).all(axis=1)]
     free = np.zeros(len(batch), np.bool_)
     free[left] = True
     return free
@@ -168,18 +170,28 @@ def reach_share(batch: Batch, view: TableView, gripper: Gripper, noise: PoseNois
 
 @lru_cache(maxsize=8)
 def _footprints(gripper: Gripper) -> tuple[tuple[NDArray[np.float32], float], ...]:
-    """Points (3, P) under the fingers and under the rod, and how far above p they count from, metres.
+    """Points (3, P) under fingers, rod and base, and how far above p they count from, metres.
 
-    Rows are ones, metres along the closing axis and metres across it; see `_placing`.
+    Rows are ones, metres along the closing axis and metres across it; see `_placing`. Points are at most `_SPACING`
+    apart; those under rod and base keep half of it from the border, for `TableView.crests` reach as far.
     """
-    half, finger, rod = gripper.opening / 2, gripper.finger, gripper.rod
-    sides = np.linspace(half, half + finger.x, 3)
-    jaws = np.meshgrid(np.concatenate([-sides, sides]), np.linspace(-finger.y / 2, finger.y / 2, 5))
-    bar = np.meshgrid(np.linspace(-rod.x / 2, rod.x / 2, 13), np.linspace(-rod.y / 2, rod.y / 2, 3))
-    return tuple(
-        (np.stack([np.ones(along.size), along.ravel(), across.ravel()]).astype(np.float32), above)
-        for (along, across), above in ((jaws, _REACH), (bar, finger.z))
-    )
+    half, finger, rod, base = gripper.opening / 2, gripper.finger, gripper.rod, gripper.base
+    sides = _spread(half, half + finger.x)
+    jaws = np.concatenate([-sides[::-1], sides]), _spread(-finger.y / 2, finger.y / 2)
+    bars = [[_spread(-(side - _SPACING) / 2, (side - _SPACING) / 2) for side in (box.x, box.y)] for box in (rod, base)]
+    heights = (_REACH, finger.z, finger.z + rod.z)
+    found = []
+    for axes, above in zip((jaws, *bars), heights, strict=True):
+        along, across = (grid.ravel() for grid in np.meshgrid(*axes))
+        found.append((np.stack([np.ones_like(along), along, across]).astype(np.float32), above))
+    return tuple(found)
+
+
+def _spread(low: float, high: float) -> NDArray[np.float64]:
+    """Numbers from `low` to `high`, metres, at most `_SPACING` apart; the middle where that is the wrong way round."""
+    if high <= low:
+        return np.array([(low + high) / 2])
+    return np.linspace(low, high, int(np.ceil((high - low) / _SPACING - 1e-6)) + 1)
 
 
 def _placing(batch: Batch, view: TableView) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -195,13 +207,17 @@ def _placing(batch: Batch, view: TableView) -> tuple[NDArray[np.float32], NDArra
 
 
 def _above_surface(
-    depth: NDArray[np.float64], right: NDArray[np.float32], down: NDArray[np.float32], view: TableView
+    depth: NDArray[np.float64],
+    right: NDArray[np.float32],
+    down: NDArray[np.float32],
+    view: TableView,
+    surface: NDArray[np.float32],
 ) -> NDArray[np.bool_]:
-    """Boolean (N, P): whether points at z-depths (N,) lie above the surface on the canvas."""
+    """Boolean (N, P): whether points at z-depths (N,) lie above a surface (h, w) on the view's window."""
     k = view.camera.intrinsics
     focal = (k.fx / depth).astype(np.float32)[:, None]
     u, v = focal * right + np.float32(k.cx), focal * down + np.float32(k.cy)
-    return np.asarray(look_up(view.smooth, u, v, outside=np.inf) > depth[:, None])
+    return np.asarray(look_up(surface, u, v, outside=np.inf) > depth[:, None])
 
 
 def _in_sight(

@@ -136,6 +136,30 @@ def test_a_tall_neighbour_stops_the_rod(photo, make_box):
     assert reachable(make_batch(view, [u, u], [v, v], [0.0, 0.55]), view, GRIPPER).tolist() == [True, False]
 
 
+@pytest.mark.parametrize("turn", np.linspace(-1.5, 1.5, 7).tolist())
+def test_a_thin_mast_stops_the_rod_wherever_it_stands_under_it(photo, make_box, turn):
+    low = make_box(0.0, 0.0, (0.03, 0.03, 0.05), 0.0)
+    for along in np.linspace(-0.045, 0.045, 13).tolist():
+        for across in (-0.0065, 0.002, 0.006):
+            x = along * math.cos(turn) - across * math.sin(turn)
+            y = along * math.sin(turn) + across * math.cos(turn)
+            _, view = look(photo(low, make_box(x, y, (0.004, 0.004, 0.11), 0.0)), None, ViewSettings())
+            batch = make_batch(view, *(np.atleast_1d(n) for n in pixel(view, 0, 0, 0.05)), [turn])
+            batch.depth[:] = 0.70 - 0.03
+            assert not reachable(batch, view, GRIPPER).any(), (along, across)
+
+
+def test_what_is_taller_than_fingers_and_rod_stops_the_base(photo, make_box):
+    low, tall = make_box(0.0, 0.0, (0.03, 0.03, 0.05), 0.0), make_box(0.0, 0.016, (0.006, 0.006, 0.13), 0.0)
+    free = []
+    for scene in ((low,), (low, tall)):
+        _, view = look(photo(*scene), None, ViewSettings())
+        batch = make_batch(view, *(np.atleast_1d(n) for n in pixel(view, 0, 0, 0.05)), [0.0])
+        batch.depth[:] = 0.70 - 0.03
+        free.append(bool(reachable(batch, view, GRIPPER)[0]))
+    assert free == [True, False]
+
+
 def test_distinct_candidates_differ_in_place_or_angle():
     x = np.array([0.0, 0.004, 0.004, 0.03, 0.0])
     angle = np.array([0.0, 0.1, 0.8, 0.0, math.pi - 0.05])
