@@ -3,16 +3,12 @@ import json
 import pytest
 
 from workbench.actions import Download, Effect, Notice, ShowKeys
-from workbench.screen import READERS, Screen, address, arrival, style
+from workbench.screen import READERS, Screen, address, arrival
 
 
 @pytest.fixture
 def screen(client, posted, shell):
     return Screen(client, posted.append, shell, shell.first({}))
-
-
-def test_the_style_sheet_is_there():
-    assert style().startswith("<style>") and ".gw-list" in style()
 
 
 def test_views_are_made_once_and_updated_in_place(client, posted, shell, counter, screen):
