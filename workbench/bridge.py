@@ -19,7 +19,7 @@ import viser
 
 from grasp_core.errors import GraspError
 from workbench.actions import Action, Notice
-from workbench.casting import plain, put, text
+from workbench.casting import brief, plain, put, sentence, text
 from workbench.colours import Themed
 from workbench.page import asset, run
 from workbench.uploads import Limiter
@@ -30,8 +30,6 @@ Post = Callable[[Action], None]
 Reader = Callable[[str], Action]
 Tone = Literal["info", "warning", "error"]
 _TONES: dict[Tone, tuple[int, int, int]] = {"info": (56, 139, 213), "warning": (242, 177, 52), "error": (224, 82, 60)}
-_MOST_TOLD = 240
-"""Characters in a notification."""
 _MESSAGE = re.compile(r"([a-z]{1,20}):([A-Za-z0-9_.,;:=&%+~!*'()-]{0,4000}):[0-9]{1,20}")
 
 
@@ -384,5 +382,4 @@ class Bridge:
     def notify(self, tone: Tone, title: str, body: str) -> None:
         """Show a notification, of long texts the beginning; errors stay until they are closed."""
         seconds = {"error": None, "warning": 15.0}.get(tone, 6.0)
-        body = body if len(body) <= _MOST_TOLD else body[:_MOST_TOLD].rpartition(" ")[0] + " …"
-        self.client.add_notification(title, body, auto_close_seconds=seconds, color=_TONES[tone])
+        self.client.add_notification(title, brief(sentence(body)), auto_close_seconds=seconds, color=_TONES[tone])

@@ -132,12 +132,12 @@ class Screen:
             f'<div title="{text(told)}"><kbd>{text(key)}</kbd>{text(name)}</div>'
             for key, name, told in sorted(self._bridge.hotkeys, key=lambda row: row[1])
         )
-        fly = "W A S D Q E and the arrows fly the camera; the mouse turns, pans and zooms it."
-        palette = "Ctrl+K lists every command. Hotkeys rest while a text field or a dropdown has the focus."
+        fly = "W A S D Q E and the arrows fly the camera; the mouse turns, pans, zooms it. Ctrl+K lists every command."
+        rest = "Hotkeys rest while a text field or a dropdown has the focus, the arrows while a slider has it."
         modal = self._client.gui.add_modal("Hotkeys")
         with modal:
             self._client.gui.add_html(
-                f'<div class="gw"><div class="gw-keylist">{rows}</div><p><small>{fly} {palette}</small></p></div>'
+                f'<div class="gw"><div class="gw-keylist">{rows}</div><p><small>{fly} {rest}</small></p></div>'
             )
             close = self._client.gui.add_button("Close")
             close.on_click(lambda _: modal.close())

@@ -36,7 +36,7 @@ def test_one_view_is_shown_at_a_time(client, shell, screen):
 
 
 def test_notices_are_shown_files_handed_out_and_other_effects_left_alone(client, screen):
-    assert screen.perform(Notice("info", "Title", "Body")) and client.notices == [("Title", "Body")]
+    assert screen.perform(Notice("info", "Title", "Body")) and client.notices == [("Title", "Body.")]
     assert screen.perform(Download("a.html", b"x")) and client.files == [("a.html", b"x")]
     assert not screen.perform(Effect())
 

@@ -147,10 +147,14 @@ def listing(state: State, bridge: Bridge) -> str:
         return f'<h3>Candidates <span>{name}</span></h3><div class="gw-error">{failed}</div>'
     if not plan.candidates:
         reason = text(plan.reason or "the planner found no grasp")
-        told = f'<div class="gw-empty">No grasp: {reason}. Move the object, or lower t under Settings.</div>'
+        advice = "Move the object" if opened.scene.objects else "Try another image"
+        if len(plan.sampled):
+            advice += ", or lower t under Settings"
+        told = f'<div class="gw-empty">No grasp: {reason}. {advice}.</div>'
         return f"<h3>Candidates <span>{name}: none in {plan.total_ms:.0f} ms</span></h3>{told}{stages(plan.stages_ms)}"
     hidden = len(plan.candidates) - len(state.visible)
-    count = f"{len(plan.candidates)} candidates" + (f", {hidden} hidden" if hidden else "")
+    number = len(plan.candidates)
+    count = f"{number} candidate{'' if number == 1 else 's'}" + (f", {hidden} hidden" if hidden else "")
     legend = (
         '<div class="gw-legend"><span>0</span>'
         f'<i style="background:{colours.score_gradient()}"></i><span>1</span></div>'

@@ -122,8 +122,8 @@ def opened(state: State, bridge: Bridge) -> str:
         return '<div class="gw-empty">What you open is listed here. Nothing leaves this machine.</div>'
     shown = {state.photo.key if state.request.photo else "", *(thing.name for thing in state.request.things)}
     rows = "".join(
-        f'<div class="gw-item{" gw-held" if item.key in shown else ""}" {bridge.onclick(f"file:{item.key}")}>'
-        f"<small>{item.kind}</small> {text(item.name)}</div>"
+        f'<div class="gw-item{" gw-held" if item.key in shown else ""}" title="{text(item.name)}" '
+        f"{bridge.onclick(f'file:{item.key}')}><small>{item.kind}</small> {text(item.name)}</div>"
         for item in state.items[-_MOST_LISTED:]
         if item.kind != "camera"
     )

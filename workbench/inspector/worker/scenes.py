@@ -21,6 +21,7 @@ from grasp_core.simulation.physics import load_physics
 from workbench.inspector.orders import Rest, SceneRequest, Thing
 from workbench.inspector.poses import matrix, vector
 from workbench.inspector.setup import Setup
+from workbench.inspector.worker.words import reworded
 
 if TYPE_CHECKING:
     from grasp_core.simulation.settling import StablePose
@@ -65,7 +66,10 @@ def asset_of(name: str, path: str | None) -> ObjectAsset:
     unit = name.rpartition("-")[2]
     label = re.sub(r"[^A-Za-z0-9_]+", "_", Path(path).stem).strip("_").lower() or "own"
     scale = _SCALES.get(unit, "keep")
-    return load_object(path, scale=scale, name=label)  # type: ignore[arg-type]
+    try:
+        return load_object(path, scale=scale, name=label)  # type: ignore[arg-type]
+    except GraspError as error:
+        raise GraspError(reworded(str(error), [path])) from error
 
 
 @lru_cache(maxsize=48)

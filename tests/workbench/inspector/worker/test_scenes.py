@@ -67,6 +67,8 @@ def test_an_own_mesh_is_read_in_its_unit(tmp_path):
     key = "mesh-0123-mm"
     _, scene, _ = make_scene(SceneRequest((Thing(key),)), DEFAULT, {key: str(path)})
     assert sorted(scene.objects[0].asset.extents) == pytest.approx([0.04, 0.06, 0.12], abs=1e-3)
+    with pytest.raises(GraspError, match=r"^brick\.stl: .* set another mesh unit$"):
+        make_scene(SceneRequest((Thing("mesh-0123-m"),)), DEFAULT, {"mesh-0123-m": str(path)})
 
 
 @pytest.mark.parametrize("name", ["mesh-ffff-m", "wishful_000", "can", "../../etc/passwd"])
