@@ -69,7 +69,7 @@ class InputsPanel:
         self._camera = bridge.dropdown(
             "Its camera",
             (*self._shipped, TYPED),
-            state.photo.camera or TYPED,
+            state.photo.camera if state.photo.camera in self._shipped else TYPED,
             self._use_camera,
             "Intrinsics of the image",
         )
@@ -110,9 +110,10 @@ class InputsPanel:
         self._photo, self._items = new.photo, new.items
         put(self._unit, value=next(label for label, unit in MESH_UNITS.items() if unit == new.mesh_unit))
         cameras = tuple(dict.fromkeys(item.name for item in new.items if item.kind == "camera"))
-        put(self._camera, options=(*self._shipped, *cameras, TYPED))
+        options = (*self._shipped, *cameras, TYPED)
+        put(self._camera, options=options)
         own = next((item.name for item in new.items if item.key == new.photo.camera), new.photo.camera)
-        put(self._camera, value=TYPED if new.photo.typed or not own else own)
+        put(self._camera, value=TYPED if new.photo.typed or own not in options else own)
         put(self._list, content=f'<div class="gw">{opened(new, self._bridge)}</div>')
 
 
