@@ -58,7 +58,7 @@ def stages(times: Mapping[str, float]) -> str:
     )
     keys = "".join(
         f'<span><b style="background:{colours.STAGES[i % len(colours.STAGES)]}"></b>{text(name.replace("_", " "))}'
-        f" {value:.1f}</span>"
+        f" {value:.{0 if value >= 9.95 else 1}f}</span>"
         for i, (name, value) in enumerate(parts)
     )
     return f'<div class="gw-stages">{bar}</div><div class="gw-keys">{keys}<span>ms</span></div>'

@@ -11,6 +11,9 @@ from workbench.inspector.state import Sweep, TrialState
 
 
 def test_stages_fill_the_bar_and_names_are_escaped():
+    assert "</b>scores 124<" in stages({"scores": 123.6}) and "</b>crops 9.4<" in stages({"crops": 9.44}), (
+        "in two lines"
+    )
     page = stages({"crops": 1.0, "<b>": 3.0, "none": 0.0})
     assert "width:75.0%" in page and "&lt;b&gt;" in page and "none" not in page
 
