@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
+import sys
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -56,6 +58,13 @@ def file_of(key: str, files: Files) -> Path:
     return Path(path)
 
 
+def give_back() -> None:
+    """Hand freed memory back to the system: settling leaves it in pieces, which glibc keeps (malloc_trim(3))."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+    if trim is not None:
+        trim(0)
+
+
 @lru_cache(maxsize=48)
 def asset_of(name: str, path: str | None) -> ObjectAsset:
     """An object of the catalogue, or of an own mesh file whose key ends in its unit."""
@@ -76,7 +85,9 @@ def asset_of(name: str, path: str | None) -> ObjectAsset:
 def _rests(name: str, path: str | None) -> tuple[StablePose, ...]:
     from grasp_core.simulation.settling import stable_poses
 
-    return tuple(stable_poses(asset_of(name, path), load_physics(), drops=DROPS))
+    found = tuple(stable_poses(asset_of(name, path), load_physics(), drops=DROPS))
+    give_back()
+    return found
 
 
 def _path(thing: Thing, files: Files) -> str | None:
