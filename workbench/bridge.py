@@ -19,8 +19,9 @@ import viser
 
 from grasp_core.errors import GraspError
 from workbench.actions import Action, Notice
-from workbench.casting import plain, put, text
+from workbench.casting import brief, plain, put, sentence, text
 from workbench.colours import Themed
+from workbench.page import asset, run
 from workbench.uploads import Limiter
 
 log = logging.getLogger("workbench")
@@ -29,8 +30,6 @@ Post = Callable[[Action], None]
 Reader = Callable[[str], Action]
 Tone = Literal["info", "warning", "error"]
 _TONES: dict[Tone, tuple[int, int, int]] = {"info": (56, 139, 213), "warning": (242, 177, 52), "error": (224, 82, 60)}
-_MOST_TOLD = 240
-"""Characters in a notification."""
 _MESSAGE = re.compile(r"([a-z]{1,20}):([A-Za-z0-9_.,;:=&%+~!*'()-]{0,4000}):[0-9]{1,20}")
 
 
@@ -116,26 +115,9 @@ class Bridge:
         self._inbox = client.gui.add_text("page-messages", "")
         uuid = str(self._inbox._impl.uuid)
         self._inbox.on_update(self._guard(lambda _: self._received(self._inbox.value)))
-        send = (
-            f"window.gwSend=m=>{{const i=document.querySelector('label[for=\"{uuid}\"]')"
-            ".closest('.mantine-Flex-root').querySelector('input');"
-            "Object.getOwnPropertyDescriptor(HTMLInputElement.prototype,'value').set.call(i,"
-            "m+':'+Math.floor(performance.timeOrigin*1000+performance.now()*1000));"
-            "i.dispatchEvent(new Event('input',{bubbles:true}))};"
-            # Where the pointer is on an SVG, in its own units.
-            "window.gwAt=(s,e)=>{const p=new DOMPoint(e.clientX,e.clientY).matrixTransform(s.getScreenCTM().inverse());"
-            "return (p.x-0.5).toFixed(1)+','+(p.y-0.5).toFixed(1)};"
-            # What is pressed may be put on the page anew before it is released: browsers then see no click.
-            "if(!window.gwHeld){window.gwHeld={};const of=e=>e.target.closest&&e.target.closest('[onclick]');"
-            "window.addEventListener('pointerdown',e=>{gwHeld.on=of(e)},true);"
-            "window.addEventListener('pointerup',e=>{const was=gwHeld.on,now=of(e);"
-            "if(was&&now&&!was.isConnected&&was.getAttribute('onclick')===now.getAttribute('onclick'))"
-            "now.dispatchEvent(new MouseEvent('click',{bubbles:true,clientX:e.clientX,clientY:e.clientY}))},true)};"
-            "this.remove()"
-        )
         client.gui.add_html(
             f'<style>div:has(> div > div > p > label[for="{uuid}"]){{display:none}}</style>'
-            f'<img src="data:," onerror="{text(send)}" hidden>'
+            f"{run(asset('page.js'), inbox=uuid)}"
         )
 
     @property
@@ -400,5 +382,4 @@ class Bridge:
     def notify(self, tone: Tone, title: str, body: str) -> None:
         """Show a notification, of long texts the beginning; errors stay until they are closed."""
         seconds = {"error": None, "warning": 15.0}.get(tone, 6.0)
-        body = body if len(body) <= _MOST_TOLD else body[:_MOST_TOLD].rpartition(" ")[0] + " …"
-        self.client.add_notification(title, body, auto_close_seconds=seconds, color=_TONES[tone])
+        self.client.add_notification(title, brief(sentence(body)), auto_close_seconds=seconds, color=_TONES[tone])

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 from grasp_core.errors import GraspError
 
+_MOST_TOLD = 240
+"""Characters of a message."""
+
 
 def plain(value: Any) -> Any:
     """`value` in types that viser can encode: builtins, tuples of them, or numeric arrays.
@@ -63,6 +66,11 @@ def sentence(words: str) -> str:
         return words
     named = any(sign in words.split()[0] for sign in "._:/")
     return (words[0] if named else words[0].upper()) + words[1:] + ("" if words[-1] in ".!?" else ".")
+
+
+def brief(words: str) -> str:
+    """The beginning of a long text, up to a whole word."""
+    return words if len(words) <= _MOST_TOLD else words[:_MOST_TOLD].rpartition(" ")[0] + " …"
 
 
 def pose(transform: NDArray[np.float64]) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
@@ -64,6 +65,7 @@ def css(colour: ArrayLike) -> str:
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
+@lru_cache(maxsize=16)
 def score_gradient() -> str:
     """The score colours as a CSS gradient from left to right."""
     return f"linear-gradient(90deg,{','.join(css(colour) for colour in _SCORE)})"
@@ -105,6 +107,7 @@ def _mapped(grey: NDArray[np.uint8], name: str) -> NDArray[np.uint8]:
     return (shown.astype(np.uint16) * 215 // 255 + 20).astype(np.uint8)
 
 
+@lru_cache(maxsize=16)
 def depth_gradient(name: str) -> str:
     """The depth colours as a CSS gradient, far at the left."""
     row = _mapped(np.linspace(0, 255, 9).astype(np.uint8)[None], name)[0]
@@ -122,6 +125,7 @@ def heat(values: NDArray[np.float32], top: float = 1.0) -> NDArray[np.uint8]:
     return np.ascontiguousarray(cv2.cvtColor(cv2.applyColorMap(grey, cv2.COLORMAP_INFERNO), cv2.COLOR_BGR2RGB))
 
 
+@lru_cache(maxsize=16)
 def heat_gradient() -> str:
     """The heat colours as a CSS gradient from left to right."""
     row = heat(np.linspace(0, 1, 9, dtype=np.float32)[None])[0]

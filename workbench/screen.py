@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Callable
-from importlib import resources
 
 import viser
 
 from workbench.actions import Action, Arrive, Download, Effect, Notice, ShowKeys, ShowView, ToggleTheme
 from workbench.bridge import Bridge, Post, Reader
 from workbench.casting import put, text
+from workbench.page import asset, run, style
 from workbench.state import Shell, State
 
 LEFT = 366
@@ -26,19 +26,10 @@ _ARRIVED = "location.search.slice(1).replace(/[^A-Za-z0-9_.,;:=&%+~!*'()-]/g,c=>
 """JavaScript: the query that the page was loaded with, in characters that messages may have."""
 
 
-def _asset(name: str) -> str:
-    return (resources.files("workbench") / "assets" / name).read_text()
-
-
 def arrival(key: str) -> str:
     """HTML that sends the query that the page was loaded with: once per `key`, however often it is put on the page."""
-    script = f"if(window.gwCame!=='{key}'){{window.gwCame='{key}';gwSend('arrive:'+{_ARRIVED})}}this.remove()"
-    return f'<img src="data:," onerror="{text(script)}" hidden>'
-
-
-def style() -> str:
-    """The style sheet of everything that this app shows, as HTML."""
-    return f"<style>{_asset('workbench.css')}</style>"
+    script = f"if(window.gwCame!=='{key}'){{window.gwCame='{key}';gwSend('arrive:'+{_ARRIVED})}}"
+    return run(script)
 
 
 def address(query: str) -> str:
@@ -46,14 +37,14 @@ def address(query: str) -> str:
     script = (
         "const old=new URLSearchParams(location.search),now=new URLSearchParams(this.dataset.query);"
         "for(const k of ['fixedDpr','websocket'])if(old.has(k))now.set(k,old.get(k));"
-        "history.replaceState(null,'','?'+now.toString().replaceAll('%2C',',').replaceAll('%3A',':'));this.remove()"
+        "history.replaceState(null,'','?'+now.toString().replaceAll('%2C',',').replaceAll('%3A',':'))"
     )
-    return f'<img src="data:," data-query="{text(query)}" onerror="{text(script)}" hidden>'
+    return run(script, query=query)
 
 
 def pace(moving: bool) -> str:
     """HTML that tells the page whether things move: where there is no GPU, it then draws the scene coarser."""
-    return f'<img src="data:," onerror="gwPace({str(moving).lower()});this.remove()" hidden>'
+    return run(f"gwPace({str(moving).lower()})")
 
 
 class Screen:
@@ -70,7 +61,7 @@ class Screen:
         with client.atomic():
             self._bridge = bridge = Bridge(client, post, readers)
             bridge.html(style())
-            bridge.html(f'<img src="data:," onerror="{text(_asset("pace.js"))}" hidden>')
+            bridge.html(run(asset("pace.js")))
             self._pace = bridge.html()
             self._look = bridge.html()
             self._address = bridge.html()
@@ -141,12 +132,12 @@ class Screen:
             f'<div title="{text(told)}"><kbd>{text(key)}</kbd>{text(name)}</div>'
             for key, name, told in sorted(self._bridge.hotkeys, key=lambda row: row[1])
         )
-        fly = "W A S D Q E and the arrows fly the camera; the mouse turns, pans and zooms it."
-        palette = "Ctrl+K lists every command. Hotkeys rest while a text field or a dropdown has the focus."
+        fly = "W A S D Q E and the arrows fly the camera; the mouse turns, pans, zooms it. Ctrl+K lists every command."
+        rest = "Hotkeys rest while a text field or a dropdown has the focus, the arrows while a slider has it."
         modal = self._client.gui.add_modal("Hotkeys")
         with modal:
             self._client.gui.add_html(
-                f'<div class="gw"><div class="gw-keylist">{rows}</div><p><small>{fly} {palette}</small></p></div>'
+                f'<div class="gw"><div class="gw-keylist">{rows}</div><p><small>{fly} {rest}</small></p></div>'
             )
             close = self._client.gui.add_button("Close")
             close.on_click(lambda _: modal.close())

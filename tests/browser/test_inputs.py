@@ -58,6 +58,14 @@ def test_own_images_are_planned_on_stepped_through_and_refused_in_words(page, im
     page.until("location.search.includes('typed=525')")
     page.settled()
     assert raw.locator(".gw-facts .gw-error").count() == 0
+    (images / "half.yaml").write_text("fy: 525\ncx: 319.5\ncy: 239.5\nwidth: 640\nheight: 480\n")
+    upload(page, "Upload a camera file", images / "half.yaml")
+    page.until("document.querySelector('.gw-facts .gw-error')?.innerText.startsWith('half.yaml')")
+    raw.reload()
+    page.until("document.querySelector('.gw-facts .gw-error')?.innerText.startsWith('half.yaml')")
+    page.tab("Inputs")
+    page.choose("Its camera", "primesense")
+    page.until("!document.querySelector('.gw-facts .gw-error')")
 
 
 def test_an_own_mesh_is_settled_planned_on_and_tried_and_its_name_is_text(page, tmp_path):

@@ -3,6 +3,7 @@
 from grasp_core.dataset.store import DatasetStore
 
 HEIGHT = "window.__viserMutable.nodeRefFromName['/inspect/gripper/base'].position.z"
+CAMERA = "window.__viserMutable.camera.position.toArray()"
 
 
 def test_from_a_click_to_a_stored_verdict(page, workbench):
@@ -22,10 +23,11 @@ def test_from_a_click_to_a_stored_verdict(page, workbench):
     slider.focus()
     slider.press("Home")
     page.until(f"Math.abs({HEIGHT} - {lifted}) > 0.01")
-    start = raw.evaluate(HEIGHT)
+    start, camera = raw.evaluate(HEIGHT), raw.evaluate(CAMERA)
     for _ in range(10):
-        slider.press("ArrowRight")
+        slider.press("ArrowRight", delay=20)
     page.until(f"{HEIGHT} < {start} - 0.005")  # on the way down to the grasp
+    assert raw.evaluate(CAMERA) == camera, "the arrows are the slider's while it has the focus"
     at = raw.evaluate(HEIGHT)
     page.button("one frame on (M)").click()
     page.until(f"Math.abs({HEIGHT} - {at}) > 1e-4")

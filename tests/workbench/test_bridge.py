@@ -94,10 +94,10 @@ def test_buttons_carry_hint_and_state(bridge):
 
 def test_notices_reach_the_browser(bridge, client):
     bridge.notify("error", "Title", "Body")
-    assert client.notices == [("Title", "Body")]
+    assert client.notices == [("Title", "Body.")]
     bridge.notify("error", "Title", "no family of that name; choose one of: " + "family, " * 100)
     told = client.notices[-1][1]
-    assert len(told) < 245 and told.startswith("no family of that name") and told.endswith(" …")
+    assert len(told) < 245 and told.startswith("No family of that name") and told.endswith(" …")
 
 
 def test_texts_are_bounded(bridge, client, posted):

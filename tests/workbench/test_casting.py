@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from grasp_core.errors import GraspError
-from workbench.casting import plain, pose, put, sentence, text
+from workbench.casting import brief, plain, pose, put, sentence, text
 
 
 def test_values_become_builtins():
@@ -47,3 +47,9 @@ def test_sentences():
     assert sentence("held to the end") == "Held to the end."
     assert sentence("mm.npy: no metres") == "mm.npy: no metres." and sentence("box_003 fell") == "box_003 fell."
     assert sentence("Done!") == "Done!" and sentence("  ") == ""
+
+
+def test_long_texts_end_at_a_word():
+    assert brief("short") == "short"
+    told = brief("choose one of: " + "family, " * 100)
+    assert len(told) < 245 and told.endswith("family, …")

@@ -3,16 +3,12 @@ import json
 import pytest
 
 from workbench.actions import Download, Effect, Notice, ShowKeys
-from workbench.screen import READERS, Screen, address, arrival, style
+from workbench.screen import READERS, Screen, address, arrival
 
 
 @pytest.fixture
 def screen(client, posted, shell):
     return Screen(client, posted.append, shell, shell.first({}))
-
-
-def test_the_style_sheet_is_there():
-    assert style().startswith("<style>") and ".gw-list" in style()
 
 
 def test_views_are_made_once_and_updated_in_place(client, posted, shell, counter, screen):
@@ -40,7 +36,7 @@ def test_one_view_is_shown_at_a_time(client, shell, screen):
 
 
 def test_notices_are_shown_files_handed_out_and_other_effects_left_alone(client, screen):
-    assert screen.perform(Notice("info", "Title", "Body")) and client.notices == [("Title", "Body")]
+    assert screen.perform(Notice("info", "Title", "Body")) and client.notices == [("Title", "Body.")]
     assert screen.perform(Download("a.html", b"x")) and client.files == [("a.html", b"x")]
     assert not screen.perform(Effect())
 

@@ -15,4 +15,3 @@ window.gwPace = moving => {
   gwPace.dpr = devicePixelRatio * (moving ? 0.4 : 1);
   keep(root.getState());
 };
-this.remove();

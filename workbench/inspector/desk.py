@@ -14,7 +14,7 @@ from workbench.inspector.orders import Item, SceneRequest
 from workbench.inspector.scenes import Scenes
 from workbench.inspector.setup import DEFAULT
 from workbench.inspector.shelf import Shelf
-from workbench.inspector.worker import pages, scenes, sights, trials
+from workbench.inspector.worker import pages, photos, scenes, sights, trials
 from workbench.jobs import Jobs
 from workbench.ledger import Ledger
 from workbench.view import Post
@@ -83,6 +83,14 @@ class Desk:
                     scenes.settle_scene,
                     request,
                     setup,
+                    self.shelf.files,
+                )
+            case e.CheckCamera(key):
+                self._planning.submit(
+                    lambda _: None,
+                    lambda why: post(Notice("warning", "This camera file is of no use", why)),
+                    photos.check_camera,
+                    key,
                     self.shelf.files,
                 )
             case e.StoreVerdict():

@@ -110,6 +110,13 @@ class KeepFile(InspectorEffect):
 
 
 @dataclass(frozen=True)
+class CheckCamera(InspectorEffect):
+    """Read an own camera file that no image needs yet, to tell whether it is of use."""
+
+    key: str
+
+
+@dataclass(frozen=True)
 class ReadFolder(InspectorEffect):
     """Look into a folder of this machine."""
 

@@ -64,7 +64,7 @@ class Shelf:
         if len(content) > MOST[kind]:
             raise GraspError(f"a {kind} has at most {MOST[kind] / 1e6:g} MB")
         digest = hashlib.sha256(content).hexdigest()[:12]
-        plain = re.sub(r"[^A-Za-z0-9._-]+", "_", Path(name).name)[-60:]
+        plain = re.sub(r"[^A-Za-z0-9._-]+", "_", Path(name).stem)[:50] + ending
         path = self._folder / f"{digest}--{plain}"
         if not path.exists():
             self._make_room(len(content))

@@ -109,6 +109,14 @@ def test_files_are_kept_or_refused_in_words(desk, tmp_path):
         assert isinstance(wait(posted), Notice)
 
 
+def test_a_camera_file_of_no_use_is_told(desk, planning):
+    posted = []
+    assert desk.perform(posted.append, e.CheckCamera("camera-1")) and planning.asked[-1][0] == "check_camera"
+    planning.failure = "cam.yaml: fx is missing"
+    desk.perform(posted.append, e.CheckCamera("camera-1"))
+    assert posted == [Notice("warning", "This camera file is of no use", "cam.yaml: fx is missing")]
+
+
 def test_verdicts_that_cannot_be_stored_are_told(desk, opened):
     posted = []
     desk.perform(posted.append, e.StoreVerdict(3, opened, FIRST, "good", ()))

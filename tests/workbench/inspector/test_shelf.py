@@ -19,6 +19,8 @@ def test_an_upload_is_kept_under_its_content(shelf):
     assert item.key.startswith("mesh-") and item.key.endswith("-mm") and item.name == "my mug.STL"
     assert Path(shelf.files[item.key]).read_bytes() == b"abc"
     assert shelf.add("mesh", "other.stl", b"abc", "mm").key == item.key
+    long = shelf.add("image", "a_depth_image_with_a_name_" + "x" * 100 + ".png", b"x")
+    assert "--a_depth_image_with" in long.path and long.path.endswith("xx.png"), "messages name it by its beginning"
     assert shelf.add("mesh", "my mug.STL", b"abc", "m").key != item.key, "another unit is another object"
 
 

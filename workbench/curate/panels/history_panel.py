@@ -44,6 +44,8 @@ def entries(events: Iterable[LabelEvent], gone: Set[int], bridge: Bridge, *, sam
 def people(state: State, bridge: Bridge) -> str:
     """Buttons that open each person's history; HTML."""
     names = () if state.facts is None else state.facts.people
+    if not names:
+        return "" if state.facts is None else "<small>Nobody has decided anything yet.</small>"
     return "".join(
         f'<button class="{"gw-on" if name == state.about else ""}" data-person="{text(name)}"'
         f" onclick=\"gwSend('cperson:'+encodeURIComponent(this.dataset.person))\">{text(name)}</button>"

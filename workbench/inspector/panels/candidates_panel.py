@@ -58,7 +58,7 @@ def stages(times: Mapping[str, float]) -> str:
     )
     keys = "".join(
         f'<span><b style="background:{colours.STAGES[i % len(colours.STAGES)]}"></b>{text(name.replace("_", " "))}'
-        f" {value:.1f}</span>"
+        f" {value:.{0 if value >= 9.95 else 1}f}</span>"
         for i, (name, value) in enumerate(parts)
     )
     return f'<div class="gw-stages">{bar}</div><div class="gw-keys">{keys}<span>ms</span></div>'
@@ -147,10 +147,14 @@ def listing(state: State, bridge: Bridge) -> str:
         return f'<h3>Candidates <span>{name}</span></h3><div class="gw-error">{failed}</div>'
     if not plan.candidates:
         reason = text(plan.reason or "the planner found no grasp")
-        told = f'<div class="gw-empty">No grasp: {reason}. Move the object, or lower t under Settings.</div>'
+        advice = "Move the object" if opened.scene.objects else "Try another image"
+        if len(plan.sampled):
+            advice += ", or lower t under Settings"
+        told = f'<div class="gw-empty">No grasp: {reason}. {advice}.</div>'
         return f"<h3>Candidates <span>{name}: none in {plan.total_ms:.0f} ms</span></h3>{told}{stages(plan.stages_ms)}"
     hidden = len(plan.candidates) - len(state.visible)
-    count = f"{len(plan.candidates)} candidates" + (f", {hidden} hidden" if hidden else "")
+    number = len(plan.candidates)
+    count = f"{number} candidate{'' if number == 1 else 's'}" + (f", {hidden} hidden" if hidden else "")
     legend = (
         '<div class="gw-legend"><span>0</span>'
         f'<i style="background:{colours.score_gradient()}"></i><span>1</span></div>'

@@ -69,7 +69,7 @@ class InputsPanel:
         self._camera = bridge.dropdown(
             "Its camera",
             (*self._shipped, TYPED),
-            state.photo.camera or TYPED,
+            state.photo.camera if state.photo.camera in self._shipped else TYPED,
             self._use_camera,
             "Intrinsics of the image",
         )
@@ -110,9 +110,10 @@ class InputsPanel:
         self._photo, self._items = new.photo, new.items
         put(self._unit, value=next(label for label, unit in MESH_UNITS.items() if unit == new.mesh_unit))
         cameras = tuple(dict.fromkeys(item.name for item in new.items if item.kind == "camera"))
-        put(self._camera, options=(*self._shipped, *cameras, TYPED))
+        options = (*self._shipped, *cameras, TYPED)
+        put(self._camera, options=options)
         own = next((item.name for item in new.items if item.key == new.photo.camera), new.photo.camera)
-        put(self._camera, value=TYPED if new.photo.typed or not own else own)
+        put(self._camera, value=TYPED if new.photo.typed or own not in options else own)
         put(self._list, content=f'<div class="gw">{opened(new, self._bridge)}</div>')
 
 
@@ -122,8 +123,8 @@ def opened(state: State, bridge: Bridge) -> str:
         return '<div class="gw-empty">What you open is listed here. Nothing leaves this machine.</div>'
     shown = {state.photo.key if state.request.photo else "", *(thing.name for thing in state.request.things)}
     rows = "".join(
-        f'<div class="gw-item{" gw-held" if item.key in shown else ""}" {bridge.onclick(f"file:{item.key}")}>'
-        f"<small>{item.kind}</small> {text(item.name)}</div>"
+        f'<div class="gw-item{" gw-held" if item.key in shown else ""}" title="{text(item.name)}" '
+        f"{bridge.onclick(f'file:{item.key}')}><small>{item.kind}</small> {text(item.name)}</div>"
         for item in state.items[-_MOST_LISTED:]
         if item.kind != "camera"
     )

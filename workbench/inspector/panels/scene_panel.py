@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from workbench.actions import Action
 from workbench.bridge import Bridge, Reader
-from workbench.casting import put, sentence, text
+from workbench.casting import brief, put, sentence, text
 from workbench.inspector import actions as a
 from workbench.inspector.draws import draw
 from workbench.inspector.orders import Catalogue
@@ -109,7 +109,7 @@ def facts(state: State, bridge: Bridge) -> str:
         return f'<span class="gw-spin"></span>{doing} …'
     if state.failure is not None:
         left = "" if state.scene is None else "<br><small>What is shown is the scene before.</small>"
-        return f'<div class="gw-error">{text(sentence(state.failure))}{left}</div>'
+        return f'<div class="gw-error">{text(brief(sentence(state.failure)))}{left}</div>'
     if state.scene is None:
         return ""
     if state.request.photo is not None:
@@ -129,7 +129,7 @@ def facts(state: State, bridge: Bridge) -> str:
         look = ' class="gw-held"' if held else ""
         lines.append(
             f'<div{look} {bridge.onclick(f"grab:{index}")} title="{_FACTS}"><b>{text(placed.asset.name)}</b>'
-            f" · {size} mm · <small>{how}</small></div>"
+            f"<small>· {size} mm · {how}</small></div>"
         )
     return "".join(lines)
 
@@ -167,7 +167,7 @@ class ScenePanel:
         bridge.command("Settle in DART", "X", a.Settle, "Let all objects go until they rest")
         for layer in LAYERS:
             name, hint = _LAYER_NAMES[layer]
-            bridge.command(f"Show or hide: {name}", None, _toggle(layer), hint)
+            bridge.command(f"Show or hide: {name}", None, _toggle(layer), hint[0].upper() + hint[1:])
 
     def update(self, old: State | None, new: State) -> None:
         """Show `new`."""

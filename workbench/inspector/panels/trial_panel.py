@@ -9,7 +9,7 @@ import msgspec
 from grasp_core.simulation.evidence import Evidence, millimetres
 from workbench import colours
 from workbench.bridge import Bridge, Reader
-from workbench.casting import put, sentence, text
+from workbench.casting import brief, put, sentence, text
 from workbench.inspector import actions as a
 from workbench.inspector.orders import Choice, Judgement, Try
 from workbench.inspector.rules.replay import SPEEDS
@@ -100,17 +100,18 @@ def verdict_of_physics(state: State, bridge: Bridge) -> str:
     if state.scene is not None and not state.scene.scene.objects:
         return '<div class="gw-empty">An own image shows no objects that physics could try.</div>'
     trial, playback, setup = state.trial, state.playback, state.setup
+    chosen = state.choice
+    go = bridge.button(f"Try candidate {chosen.index + 1}", f"select:{chosen.side}.{chosen.index}", look="gw-main")
+    go = f'<div class="gw-bar gw-below">{go}</div>'
     if trial.failed is not None:
-        return f'<div class="gw-error">{text(sentence(trial.failed))}</div>'
+        return f'<div class="gw-error">{text(brief(sentence(trial.failed)))}</div>{go}'
     busy = trial.running or state.waiting is not None
     noise = f"σ_p {1000 * setup.sigma_p:g} mm, σ_φ {setup.sigma_phi:g}°"
     if playback is None and not busy:
-        chosen = state.choice
-        go = bridge.button(f"Try candidate {chosen.index + 1}", f"select:{chosen.side}.{chosen.index}", look="gw-main")
         known = f'<div class="gw-tries"><span>{against(state)}</span></div>' if trial.complete else ""
         return (
             f'<div class="gw-empty">Click a candidate (list, image or scene) to try it in physics: × {setup.attempts}'
-            f' with noise ({noise}), the first one replayed here.{known}<div class="gw-bar gw-below">{go}</div></div>'
+            f" with noise ({noise}), the first one replayed here.{known}{go}</div>"
         )
     if playback is None:
         return (
@@ -125,7 +126,7 @@ def verdict_of_physics(state: State, bridge: Bridge) -> str:
         f'<span class="gw-badge" data-outcome="{text(shown.outcome)}" style="background:{_colour(shown.outcome)}">'
         f"{text(shown.outcome)}</span> <small>attempt {shown.number + 1} of candidate {state.choice.index + 1}</small>"
         f"{words}"
-        f'<div class="gw-tries"><small title="with noise: {noise}">× {setup.attempts}</small>{chips(state, bridge)}'
+        f'<div class="gw-tries" title="{setup.attempts} attempts with noise: {noise}">{chips(state, bridge)}'
         f"<span>{against(state)}</span></div>"
     )
 

@@ -57,7 +57,8 @@ def use(state: State, item: Item) -> Result:
     if item.kind == "mesh":
         return want(replace(state, grabbed=0), SceneRequest((Thing(item.key),), state.request.place))
     if item.kind == "camera":
-        return _with(state, msgspec.structs.replace(state.photo, camera=item.key, typed=None))
+        state, effects = _with(state, msgspec.structs.replace(state.photo, camera=item.key, typed=None))
+        return state, effects or (e.CheckCamera(item.key),)
     photo = msgspec.structs.replace(state.photo, key=item.key)
     return want(replace(state, photo=photo, grabbed=0), SceneRequest((), state.request.place, photo))
 

@@ -12,13 +12,7 @@ from grasp_core.errors import GraspError, ImageError
 from grasp_core.sensing.preprocess import read_depth
 from workbench.inspector.orders import Photo
 from workbench.inspector.worker.scenes import Files, file_of
-
-_WORDS = {
-    "--depth-scale 0.001 for millimetres": "set the unit to mm",
-    "check --depth-scale": "set another unit",
-    "--depth-scale": "the unit",
-}
-"""What the command line calls a thing → what this page calls it."""
+from workbench.inspector.worker.words import reworded
 
 
 def read_photo(photo: Photo, files: Files) -> DepthImage:
@@ -31,7 +25,20 @@ def read_photo(photo: Photo, files: Files) -> DepthImage:
     try:
         return read_depth(path, _camera(photo, path, files), photo.scale or None)
     except GraspError as error:
-        raise GraspError(_reworded(str(error), path, files)) from error
+        raise GraspError(reworded(str(error), (path, *files.values()))) from error
+
+
+def check_camera(key: str, files: Files) -> None:
+    """Read an own camera file, so that one of no use is told before an image needs it.
+
+    Raises:
+        GraspError: it is not there or no camera file.
+    """
+    path = file_of(key, files)
+    try:
+        load_camera(path)
+    except GraspError as error:
+        raise GraspError(reworded(str(error), [path])) from error
 
 
 def _camera(photo: Photo, path: Path, files: Files) -> Camera:
@@ -61,12 +68,3 @@ def _shape(path: Path) -> tuple[int, int]:
     if len(shape) not in (2, 3):
         raise ImageError(f"{path}: holds an array of shape {shape}, no image")
     return int(shape[0]), int(shape[1])
-
-
-def _reworded(message: str, path: Path, files: Files) -> str:
-    """A message about a file in the words of the page, without where the file is kept."""
-    for kept in (str(path), *files.values()):
-        message = message.replace(kept, Path(kept).name.partition("--")[2] or Path(kept).name)
-    for word, here in _WORDS.items():
-        message = message.replace(word, here)
-    return message

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
+import sys
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -21,6 +23,7 @@ from grasp_core.simulation.physics import load_physics
 from workbench.inspector.orders import Rest, SceneRequest, Thing
 from workbench.inspector.poses import matrix, vector
 from workbench.inspector.setup import Setup
+from workbench.inspector.worker.words import reworded
 
 if TYPE_CHECKING:
     from grasp_core.simulation.settling import StablePose
@@ -55,6 +58,13 @@ def file_of(key: str, files: Files) -> Path:
     return Path(path)
 
 
+def give_back() -> None:
+    """Hand freed memory back to the system: settling leaves it in pieces, which glibc keeps (malloc_trim(3))."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+    if trim is not None:
+        trim(0)
+
+
 @lru_cache(maxsize=48)
 def asset_of(name: str, path: str | None) -> ObjectAsset:
     """An object of the catalogue, or of an own mesh file whose key ends in its unit."""
@@ -65,14 +75,19 @@ def asset_of(name: str, path: str | None) -> ObjectAsset:
     unit = name.rpartition("-")[2]
     label = re.sub(r"[^A-Za-z0-9_]+", "_", Path(path).stem).strip("_").lower() or "own"
     scale = _SCALES.get(unit, "keep")
-    return load_object(path, scale=scale, name=label)  # type: ignore[arg-type]
+    try:
+        return load_object(path, scale=scale, name=label)  # type: ignore[arg-type]
+    except GraspError as error:
+        raise GraspError(reworded(str(error), [path])) from error
 
 
 @lru_cache(maxsize=48)
 def _rests(name: str, path: str | None) -> tuple[StablePose, ...]:
     from grasp_core.simulation.settling import stable_poses
 
-    return tuple(stable_poses(asset_of(name, path), load_physics(), drops=DROPS))
+    found = tuple(stable_poses(asset_of(name, path), load_physics(), drops=DROPS))
+    give_back()
+    return found
 
 
 def _path(thing: Thing, files: Files) -> str | None:

@@ -34,6 +34,11 @@ def test_a_person_s_events_lead_to_their_samples(panel, client, state, store):
     assert READERS["cperson"]("Ann%20Lee").name == "Ann Lee"
 
 
+def test_nobody_has_decided_yet(panel, client, state):
+    panel.update(None, replace(state, facts=replace(state.facts, people=())))
+    assert "Nobody has decided anything yet" in client.page()
+
+
 def test_a_blind_review_tells_nothing(panel, client, state, desk, store):
     store.add_label(2, "bob", 0.0)
     shown = replace(state, sample=desk.sample(2), review=Review(1, "ann", Rule(blind=True), 3, 0))

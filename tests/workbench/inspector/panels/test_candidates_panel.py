@@ -11,14 +11,18 @@ from workbench.inspector.state import Sweep, TrialState
 
 
 def test_stages_fill_the_bar_and_names_are_escaped():
+    assert "</b>scores 124<" in stages({"scores": 123.6}) and "</b>crops 9.4<" in stages({"crops": 9.44}), (
+        "in two lines"
+    )
     page = stages({"crops": 1.0, "<b>": 3.0, "none": 0.0})
     assert "width:75.0%" in page and "&lt;b&gt;" in page and "none" not in page
 
 
-def test_every_candidate_has_its_row(shown, bridge):
+def test_every_candidate_has_its_row(shown, bridge, sight, one_plan):
     page = listing(shown, bridge)
     assert page.count("data-candidate") == 3 and "3 candidates" in page and "cascade in 40 ms" in page
     assert "0.900" in page and "80" in page
+    assert "1 candidate <" in listing(replace(shown, scene=replace(shown.scene, sight=sight((one_plan(1),)))), bridge)
     assert "2 hidden" in listing(replace(shown, least=0.8), bridge)
 
 
@@ -29,6 +33,12 @@ def test_what_physics_and_people_said_stands_in_the_row(shown, bridge, attempt):
 
 
 def test_empty_plans_and_failures_say_why(shown, state, bridge, empty_scene, sight):
+    none = replace(shown, scene=empty_scene, choice=None)
+    assert "Move the object, or lower t" in listing(none, bridge)
+    own = replace(empty_scene, scene=replace(empty_scene.scene, objects=()))
+    unsampled = replace(own.sight.plans[0], sampled=own.sight.plans[0].sampled[:0])
+    own = replace(own, sight=replace(own.sight, plans=(unsampled,)))
+    assert "Try another image.<" in listing(replace(none, scene=own), bridge), "nothing was scored: t changes nothing"
     assert "nothing stands on the table" in listing(replace(shown, scene=empty_scene, choice=None), bridge)
     assert "first plan" in listing(state, bridge) and "no plan" in listing(replace(state, failure="no"), bridge)
     failed = replace(shown.scene, sight=sight((None,)))

@@ -48,6 +48,17 @@ def test_cameras_are_shipped_own_or_typed(panel, client, posted, state):
     assert posted == [a.ReadPhotosWith("camera-1", None, 0.0)]
 
 
+def test_a_page_is_made_anew_while_an_own_camera_is_in_use(bridge, client, catalogue, state):
+    used = replace(state, photo=Photo("image-1", "camera-1"), items=(Item("camera-1", "own.yaml", "camera", ""),))
+    panel = InputsPanel(bridge, catalogue, used)
+    shown = client.only("dropdown", "Its camera")
+    assert shown.value in shown.options, "viser takes no other"
+    panel.update(None, used)
+    assert shown.value == "own.yaml" and shown.value in shown.options
+    panel.update(used, replace(used, items=()))
+    assert shown.value == TYPED, "a file that is gone"
+
+
 @pytest.mark.parametrize("words", ["", "1 2 3", "1 2 3 4 5", "a b c d", "0 1 1 1", "nan 1 1 1", "inf 1 1 1"])
 def test_typed_nonsense_is_refused(panel, client, posted, words):
     assert typed_intrinsics(words) is None

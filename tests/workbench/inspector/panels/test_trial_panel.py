@@ -39,6 +39,7 @@ def test_before_during_and_after_a_trial(shown, tried, bridge):
 def test_failures_and_names_are_text(shown, bridge):
     page = verdict_of_physics(shown.with_trial(shown.choice, TrialState(failed="<b>no</b>")), bridge)
     assert "&lt;b&gt;" in page and "<b>no" not in page
+    assert "Try candidate 1" in page, "it can be tried again at once"
 
 
 def test_nothing_to_try(state, shown, bridge):

@@ -53,7 +53,9 @@ def test_cameras_and_units_apply_to_the_image_that_is_shown(shown):
     assert state.photo == Photo("", "kinect", None, 0.001) and state.request == shown.request
     state, _ = run(state, r.FilesKept((image(1),)), a.ReadPhotosWith("", (500.0, 500.0, 320.0, 240.0), 0.0))
     assert state.request.photo == Photo("image-1", "", (500.0, 500.0, 320.0, 240.0))
-    state, _ = run(state, r.FilesKept((Item("camera-1", "cam.yaml", "camera", ""),)))
+    kept = r.FilesKept((Item("camera-1", "cam.yaml", "camera", ""),))
+    assert run(shown, kept)[1] == [e.CheckCamera("camera-1")], "no image needs it yet: it is read nevertheless"
+    state, _ = run(state, kept)
     assert state.request.photo == Photo("image-1", "camera-1")
 
 

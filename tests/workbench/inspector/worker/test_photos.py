@@ -4,7 +4,7 @@ import pytest
 
 from grasp_core.errors import GraspError
 from workbench.inspector.orders import Photo
-from workbench.inspector.worker.photos import read_photo
+from workbench.inspector.worker.photos import check_camera, read_photo
 
 
 @pytest.fixture
@@ -46,3 +46,10 @@ def test_what_is_wrong_is_told_in_the_words_of_the_page(files, photo, told):
         read_photo(photo, files)
     assert "--depth-scale" not in str(caught.value)
     assert not any(path in str(caught.value) for path in files.values()), "where uploads are kept is nobody's business"
+
+
+def test_a_camera_file_is_checked_by_itself(files, tmp_path):
+    check_camera("camera-c", files)
+    (tmp_path / "ff--half.yaml").write_text("fy: 500\ncx: 319.5\ncy: 239.5\nwidth: 640\nheight: 480\n")
+    with pytest.raises(GraspError, match=r"^half\.yaml: .*fx"):
+        check_camera("camera-f", {**files, "camera-f": str(tmp_path / "ff--half.yaml")})

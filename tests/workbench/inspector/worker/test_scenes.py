@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from workbench.inspector.orders import SceneRequest, Thing
 from workbench.inspector.poses import matrix, vector
 from workbench.inspector.setup import DEFAULT
 from workbench.inspector.worker import scenes
-from workbench.inspector.worker.scenes import camera_of, file_of, make_scene, settle_scene
+from workbench.inspector.worker.scenes import camera_of, file_of, give_back, make_scene, settle_scene
 
 CAN = SceneRequest((Thing("can_000"),), 3)
 
@@ -67,6 +69,21 @@ def test_an_own_mesh_is_read_in_its_unit(tmp_path):
     key = "mesh-0123-mm"
     _, scene, _ = make_scene(SceneRequest((Thing(key),)), DEFAULT, {key: str(path)})
     assert sorted(scene.objects[0].asset.extents) == pytest.approx([0.04, 0.06, 0.12], abs=1e-3)
+    with pytest.raises(GraspError, match=r"^brick\.stl: .* set another mesh unit$"):
+        make_scene(SceneRequest((Thing("mesh-0123-m"),)), DEFAULT, {"mesh-0123-m": str(path)})
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="this system does not tell its memory")
+def test_freed_memory_goes_back_to_the_system():
+    def resident():
+        return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+    many = [bytes([number % 256]) * 3000 for number in range(20_000)]
+    last = many[-1]  # above the others: the heap does not shrink by itself
+    del many
+    held = resident()
+    give_back()
+    assert resident() < held - 30e6 and len(last) == 3000
 
 
 @pytest.mark.parametrize("name", ["mesh-ffff-m", "wishful_000", "can", "../../etc/passwd"])
