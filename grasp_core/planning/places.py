@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core.camera import CANONICAL_HEIGHT, DepthImage
+from grasp_core.camera import CANONICAL_HEIGHT, Camera, DepthImage
 from grasp_core.errors import ImageError
 from grasp_core.gripper import Gripper
 from grasp_core.networks.runtime import Runtime
@@ -52,6 +52,7 @@ class PlaceScores:
 
 def score_place(
     image: DepthImage,
+    canvas: Camera,
     u: float,
     v: float,
     runtime: Runtime,
@@ -65,7 +66,8 @@ def score_place(
 
     Args:
         image: of any camera; without a pose the table plane is found first.
-        u: column on the canvas of the plan of this image (`Plan.canvas`), pixels.
+        canvas: the camera of the canvas of a plan of this image (`Plan.canvas`).
+        u: column on it, pixels.
         v: row.
         runtime: the networks.
         gripper: whose grasps they are.
@@ -76,15 +78,15 @@ def score_place(
     Raises:
         ImageError: no table plane, or a pixel outside of the canvas.
     """
-    rectified = rectify(image)
-    canvas = rectified.image
-    height, width = canvas.depth.shape
+    rectified = rectify(image).above(canvas.pose[:2, 3])
+    depth = rectified.image.depth
+    height, width = depth.shape
     column, row = round(u), round(v)
     if not (0 <= column < width and 0 <= row < height):
         raise ImageError(f"the pixel ({u:g}, {v:g}) lies outside of the canvas of {width} × {height} pixels")
-    everywhere = np.ones(canvas.depth.shape, np.bool_)
+    everywhere = np.ones(depth.shape, np.bool_)
     view = TableView(
-        rectified, settings or ViewSettings(), slice(0, height), slice(0, width), everywhere, canvas.camera
+        rectified, settings or ViewSettings(), slice(0, height), slice(0, width), everywhere, rectified.image.camera
     )
     turns = np.arange(angles) * np.pi / angles - np.pi / 2
     batch = make_batch(view, np.full(angles, float(column)), np.full(angles, float(row)), turns)
@@ -97,7 +99,7 @@ def score_place(
     return PlaceScores(
         float(column),
         float(row),
-        CANONICAL_HEIGHT - float(canvas.depth[row, column]),
+        CANONICAL_HEIGHT - float(depth[row, column]),
         bool(rectified.seen[row, column]),
         to_candidates(batch, scores, np.zeros(angles), view, gripper),
         free,

@@ -114,14 +114,12 @@ def look(
         ImageError: no table plane, a camera that does not look at the table, or a mask that does not fit.
     """
     rectified = rectify(image)
-    raised = (rectified.image.depth < CANONICAL_HEIGHT - settings.least_height) & rectified.seen
-    if mask is not None:
-        places = raised & rectified.carry(mask)
-        where = " under the mask"
-    else:
-        places = _whole_things(rectified, raised, settings.least_area)
-        where = ""
+    places = _places(rectified, mask, settings)
+    if places.any():
+        rectified = rectified.above(_middle(rectified.image, places))
+        places = _places(rectified, mask, settings)
     if not places.any():
+        where = "" if mask is None else " under the mask"
         return rectified, (
             f"no object above the table: nothing seen{where} stands more than"
             f" {settings.least_height * 1000:.0f} mm above it"
@@ -139,6 +137,21 @@ def look(
     return rectified, TableView(
         rectified, settings, rows, columns, places[rows, columns], Camera(k, canvas.world_from_camera)
     )
+
+
+def _places(rectified: Rectified, mask: NDArray[np.bool_] | None, settings: ViewSettings) -> NDArray[np.bool_]:
+    """Boolean (H, W) of the canvas: where grasps may be centred; see `look`."""
+    raised = (rectified.image.depth < CANONICAL_HEIGHT - settings.least_height) & rectified.seen
+    if mask is not None:
+        return raised & rectified.carry(mask)
+    return _whole_things(rectified, raised, settings.least_area)
+
+
+def _middle(image: DepthImage, places: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The middle (x, y) of the bounding rectangle of what the places show, world, metres."""
+    v, u = np.nonzero(places)
+    points = image.camera.deproject(np.column_stack([u, v]).astype(float), image.depth[v, u].astype(float))
+    return np.asarray(points[:, :2].min(axis=0) + points[:, :2].max(axis=0)) / 2
 
 
 def _whole_things(rectified: Rectified, raised: NDArray[np.bool_], least_area: int) -> NDArray[np.bool_]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import cv2
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,6 +70,21 @@ class Rectified:
     moved: NDArray[np.intp]
     turned: NDArray[np.float32]
     foot: NDArray[np.float64]
+
+    def above(self, place: NDArray[np.float64]) -> Rectified:
+        """The same seen from another place: the canonical camera stands over (x, y) of the table, world, metres.
+
+        Pixels of the table stay where they are on the canvas, what stands above it moves. `place` is rounded to pixels.
+        """
+        canvas = self.image.camera
+        shift = np.rint((np.asarray(place, float) - canvas.pose[:2, 3]) @ canvas.pose[:2, :2] * _DENSITY)
+        if not shift.any():
+            return self
+        pose = canvas.pose.copy()
+        pose[:2, 3] += canvas.pose[:2, :2] @ shift / _DENSITY
+        k = canvas.intrinsics
+        k = msgspec.structs.replace(k, cx=k.cx + shift[0], cy=k.cy + shift[1])
+        return _rendered(Camera(k, pose), self.camera, self.missing, self.turn, self.turned, self.foot)
 
     @cached_property
     def rim(self) -> NDArray[np.bool_]:
@@ -177,20 +193,30 @@ def rectify(image: DepthImage) -> Rectified:
     camera = image.camera if image.camera.world_from_camera is not None else find_table(image)
     canvas = _canvas(camera)
     turn, foot = _turn(camera, canvas)
-    height = _turned_heights(image, camera, turn)
-    seen = np.isfinite(height)
-    if not seen.any():
+    turned = _turned_heights(image, camera, turn)
+    if not np.isfinite(turned).any():
         raise ImageError(
             "the depth image shows nothing near the table under its camera; check world_from_camera in the camera file"
         )
-    turned = height.copy()
+    missing = 1 - float(np.count_nonzero(image.valid)) / image.valid.size
+    return _rendered(canvas, camera, missing, turn, turned, foot)
+
+
+def _rendered(
+    canvas: Camera,
+    camera: Camera,
+    missing: float,
+    turn: _Turn,
+    turned: NDArray[np.float32],
+    foot: NDArray[np.float64],
+) -> Rectified:
+    """The canvas as its camera sees the heights of the turned view; arguments as in `Rectified`."""
+    height = turned.copy()
     moved = _move_raised(height, camera.pose[2, 3], foot, canvas)
-    seen = np.isfinite(height)
-    seen = _close_gaps(height, seen)
+    seen = _close_gaps(height, np.isfinite(height))
     np.maximum(height, np.float32(-_FLOOR), out=height)
     _fill_background(height, seen)
     depth = np.subtract(np.float32(CANONICAL_HEIGHT), height, out=height)
-    missing = 1 - float(np.count_nonzero(image.valid)) / image.valid.size
     return Rectified(DepthImage(depth, canvas, np.ones_like(seen)), seen, camera, missing, turn, moved, turned, foot)
 
 

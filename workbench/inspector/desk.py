@@ -66,12 +66,13 @@ class Desk:
                     setup,
                     self.shelf.files,
                 )
-            case e.ScorePlace(ticket, scene, u, v):
+            case e.ScorePlace(ticket, scene, canvas, u, v):
                 self._planning.submit(
                     lambda scores: post(r.PlaceScored(ticket, u, v, scores)),
                     lambda why: post(r.PlaceFailed(ticket, why)),
                     sights.ask_place,
                     scene.sight.image,
+                    canvas,
                     scene.setup,
                     u,
                     v,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from grasp_core.camera import Camera
 from workbench.actions import Effect
 from workbench.inspector.orders import Choice, Judgement, OpenedScene, SceneRequest, Try
 from workbench.inspector.setup import Setup
@@ -52,10 +53,11 @@ class SettleScene(InspectorEffect):
 
 @dataclass(frozen=True)
 class ScorePlace(InspectorEffect):
-    """Score a pixel of the canvas over all angles."""
+    """Score a pixel of a plan's canvas, of which the camera is given, over all angles."""
 
     ticket: int
     scene: OpenedScene
+    canvas: Camera
     u: float
     v: float
 

@@ -52,6 +52,17 @@ def test_a_small_thing_gets_a_window_of_the_training_size(photo, make_box):
     assert view.places.shape == (300, 300)
 
 
+@pytest.mark.parametrize("masked", [False, True])
+def test_the_canonical_camera_stands_over_what_can_be_grasped(photo, make_box, masked):
+    here, there = make_box(0.15, 0.1, (0.06, 0.06, 0.10)), make_box(-0.15, 0.1, (0.06, 0.06, 0.04))
+    image = photo(here, there)
+    mask = None
+    if masked:
+        mask = image.points()[..., 0] > 0
+    _, view = look(image, mask, ViewSettings())
+    assert view.camera.pose[:2, 3] == pytest.approx([0.15 if masked else 0.0, 0.1], abs=0.004)
+
+
 def test_an_empty_table_has_a_reason(photo):
     rectified, reason = look(photo(), None, SETTINGS)
     assert reason == "no object above the table: nothing seen stands more than 8 mm above it"

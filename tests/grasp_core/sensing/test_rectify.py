@@ -88,13 +88,32 @@ def test_shadows_take_the_background_and_are_not_seen():
     assert rectified.image.valid.all()
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.5])
+def test_the_canonical_camera_can_stand_over_an_object(tilt):
+    scene = box_on_table(0.16, -0.1, (0.08, 0.06, 0.10))
+    there = rectify(render(scene, Camera(VGA, look_down(0.7, tilt=tilt))))
+    over = there.above(np.array([0.16, -0.1]))
+    assert over.image.camera.pose[:2, 3] == pytest.approx([0.16, -0.1], abs=1e-3)
+    truth = render(scene, over.image.camera)
+    off = np.abs(over.image.depth - truth.depth)[over.seen] > 0.005
+    assert off.mean() < 0.003, "as seen from there, but for its outline"
+    pixels = np.argwhere((there.image.depth > 0.695) & (over.image.depth > 0.695))[::500, ::-1].astype(float)
+    before, after = (view.image.camera.deproject(pixels, np.full(len(pixels), 0.7)) for view in (there, over))
+    assert np.allclose(before, after, atol=1e-6), "the table stays where it is"
+    assert over.above(np.array([0.16, -0.1])) is over
+    assert np.array_equal(over.above(there.image.camera.pose[:2, 3]).image.depth, there.image.depth)
+
+
+@pytest.mark.parametrize("over", [False, True])
 @pytest.mark.parametrize("tilt, yaw", [(0.0, 0.0), (0.5, 0.0), (0.5, 1.3)])
-def test_points_are_hidden_where_a_ray_from_the_camera_to_them_meets_something(tilt, yaw):
+def test_points_are_hidden_where_a_ray_from_the_camera_to_them_meets_something(tilt, yaw, over):
     turn = np.eye(4)
     turn[:2, :2] = [[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]
     scene = box_on_table(0.08, -0.05, (0.12, 0.06, 0.09))
     image = render(scene, Camera(VGA, turn @ look_down(0.8, tilt=tilt)))
     rectified = rectify(image)
+    if over:
+        rectified = rectified.above(np.array([0.1, -0.04]))
     rng = np.random.default_rng(0)
     points = np.column_stack(
         [rng.uniform(-0.05, 0.2, 3000), rng.uniform(-0.2, 0.1, 3000), rng.uniform(0.008, 0.12, 3000)]

@@ -72,7 +72,12 @@ def test_the_first_scene_is_under_way_before_anybody_asks(desk, planning):
     ("make", "worker", "job", "answer"),
     [
         (lambda s: e.SeeScene(1, s.request, DEFAULT, None), "planning", "see", r.Seen),
-        (lambda s: e.ScorePlace(1, s, 5.0, 6.0), "planning", "ask_place", r.PlaceScored),
+        (
+            lambda s: e.ScorePlace(1, s, s.sight.image.camera, 5.0, 6.0),
+            "planning",
+            "ask_place",
+            r.PlaceScored,
+        ),
         (lambda s: e.SettleScene(1, s.request, DEFAULT), "physics", "settle_scene", r.Settled),
         (lambda s: e.RecordAttempt(1, s, FIRST, 2), "physics", "record_attempt", r.Replayed),
         (lambda s: e.RunTrial(1, s, FIRST), "physics", "run_trial", r.Tried),

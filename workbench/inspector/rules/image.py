@@ -53,7 +53,7 @@ def _ask_place(action: a.AskPlace, state: State) -> Result:
         return state, ()
     depth = float(plan.canvas.depth[row, column]) if plan.canvas.valid[row, column] else None
     place = Place(float(column), float(row), depth, float(plan.quality_map[row, column]))
-    ask = e.ScorePlace(state.scene_ticket, state.scene, place.u, place.v)
+    ask = e.ScorePlace(state.scene_ticket, state.scene, plan.canvas.camera, place.u, place.v)
     return replace(state, place=place), (ask,)
 
 

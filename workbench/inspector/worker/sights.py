@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from grasp_core.camera import DepthImage
+from grasp_core.camera import Camera, DepthImage
 from grasp_core.errors import GraspError
 from grasp_core.gripper import Gripper
 from grasp_core.planning.places import PlaceScores, candidate_crops, score_place
@@ -141,8 +141,8 @@ def _crops(plan: Plan, setup: Setup, gripper: Gripper) -> NDArray[np.float32] | 
     return candidate_crops(plan.canvas, plan.candidates, runtime.meta.crop, gripper)
 
 
-def ask_place(image: DepthImage, setup: Setup, u: float, v: float) -> PlaceScores:
-    """Score a pixel of the canonical canvas over all angles.
+def ask_place(image: DepthImage, canvas: Camera, setup: Setup, u: float, v: float) -> PlaceScores:
+    """Score a pixel of a plan's canvas, of which the camera is given, over all angles.
 
     Raises:
         GraspError: the weights are for another gripper, or the pixel lies outside.
@@ -150,4 +150,4 @@ def ask_place(image: DepthImage, setup: Setup, u: float, v: float) -> PlaceScore
     gripper = gripper_of(setup.gripper)
     runtime = _runtime(setup.weights)
     runtime.meta.check(gripper)
-    return score_place(image, u, v, runtime, gripper)
+    return score_place(image, canvas, u, v, runtime, gripper)

@@ -31,7 +31,7 @@ def test_a_pixel_is_probed_at_once_and_scored_later(shown, scores):
     state, effects = run(shown, a.AskPlace(150.3, 139.8))
     assert (state.place.u, state.place.v) == (150, 140)
     assert abs(state.place.depth - 0.64) < 1e-6 and abs(state.place.heat - 0.7) < 1e-6
-    assert effects == [e.ScorePlace(1, shown.scene, 150.0, 140.0)]
+    assert effects == [e.ScorePlace(1, shown.scene, shown.plan.canvas.camera, 150.0, 140.0)]
     found = scores(150.0, 140.0)
     assert run(state, r.PlaceScored(1, 150.0, 140.0, found))[0].place.scores is found
     assert run(state, r.PlaceScored(1, 9.0, 9.0, found))[0].place.scores is None, "another pixel was asked meanwhile"

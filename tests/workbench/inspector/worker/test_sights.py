@@ -57,13 +57,14 @@ def test_weights_of_another_gripper_fail_one_plan_not_the_scene():
     assert opened.sight.plans[0] is None and "gripper" in opened.sight.failures[0]
     assert opened.sight.plans[1] is not None and opened.sight.crops[1] is None
     with pytest.raises(GraspError, match="gripper"):
-        ask_place(opened.sight.image, opened.setup, 150, 150)
+        ask_place(opened.sight.image, opened.sight.plans[1].canvas.camera, opened.setup, 150, 150)
 
 
 def test_a_place_is_scored_over_all_angles(opened):
     candidate = opened.candidates(0)[0]
-    seen = opened.sight.plans[0].canvas.camera.project(np.array([*candidate.grasp.position[:2], 0.05]))
-    found = ask_place(opened.sight.image, opened.setup, float(seen[0]), float(seen[1]))
+    canvas = opened.sight.plans[0].canvas.camera
+    seen = canvas.project(np.array([*candidate.grasp.position[:2], 0.05]))
+    found = ask_place(opened.sight.image, canvas, opened.setup, float(seen[0]), float(seen[1]))
     assert len(found.candidates) == 36 and found.height > 0.01
     assert found.best is not None and found.candidates[found.best].score > 0.3
 
