@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grasp_core.networks.inputs import regression_input
+from grasp_core.planning.baselines.antipodal import AntipodalPlanner
 from grasp_core.planning.candidates import (
     Batch,
     best_region,
@@ -43,7 +45,9 @@ class CascadeSettings(NetworkSettings):
         polished: further grasps that it judges, drawn around the best ones of the region; 0 draws none.
         radius: R_i, in gripper openings.
         regions: batches that are judged at most, each in the next best region.
-        enough: distinct candidates above t after which no further region is tried.
+        enough: distinct candidates above t after which nothing further is tried.
+        paired: grasps between antipodal edges of the depth image that are judged where the regions yielded too few; 0
+            judges none.
     """
 
     pixels: int = 64
@@ -53,12 +57,13 @@ class CascadeSettings(NetworkSettings):
     radius: float = 1 / 3
     regions: int = 4
     enough: int = 5
+    paired: int = 64
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.need_above_0("pixels", "angles", "scored", "radius", "regions", "enough")
-        if self.polished < 0:
-            raise ValueError(f"polished must be at least 0, not {self.polished}")
+        if self.polished < 0 or self.paired < 0:
+            raise ValueError(f"polished and paired must be at least 0, not {self.polished} and {self.paired}")
 
 
 class CascadePlanner(NetworkPlanner[CascadeSettings]):
@@ -73,7 +78,7 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
             with stages.stage("quality map"):
                 seen = regression_input(view.depth[view.core])
                 search.heat[view.core] = self.runtime.quality_map(seen[None])[0]
-        for batch in self._regions(search, stages, rng):
+        for batch in chain(self._regions(search, stages, rng), self._pairs(search, stages, rng)):
             scores = self._judge(search, batch, stages)
             with stages.stage("candidates"):
                 around = self._around(search, batch[: len(scores)], scores, rng)
@@ -121,6 +126,14 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
                     yield batch
             if not search.regions:
                 return
+
+    def _pairs(self, search: _Search, stages: Stages, rng: np.random.Generator) -> Iterator[Batch]:
+        """Antipodal pairs of edges anywhere: what is small on something big lies outside of hot regions."""
+        if self.settings.paired and stages.allows(0):
+            found = AntipodalPlanner(self.gripper).search(search.view, stages, rng)
+            search.tried += len(found.sampled)
+            if len(found.batch):
+                yield found.batch[rng.permutation(len(found.batch))[: self.settings.paired]]
 
     def _sample(self, search: _Search, region: NDArray[np.bool_], rng: np.random.Generator) -> Batch:
         """Reachable grasps in a region: first one angle of every pixel, then a second one, up to the number scored."""

@@ -214,6 +214,8 @@ def _rendered(
     height = turned.copy()
     moved = _move_raised(height, camera.pose[2, 3], foot, canvas)
     seen = _close_gaps(height, np.isfinite(height))
+    if not np.array_equal(*moved):
+        _close_pits(height)
     np.maximum(height, np.float32(-_FLOOR), out=height)
     _fill_background(height, seen)
     depth = np.subtract(np.float32(CANONICAL_HEIGHT), height, out=height)
@@ -324,6 +326,15 @@ def _close_gaps(height: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray
     closed[rows, columns] = reached
     height[rows[reached], columns[reached]] = lowest[reached]
     return closed
+
+
+def _close_pits(height: NDArray[np.float32]) -> None:
+    """Raise table to what stands around it, in place, where no more than two pixels of it show through.
+
+    Where the input looks under a bulge, the table that it sees there shows between the splatted points of the bulge.
+    """
+    closed = cv2.morphologyEx(height, cv2.MORPH_CLOSE, _SQUARE)
+    np.copyto(height, closed, where=(height < _RAISED) & (closed > height + _SAME_SURFACE))
 
 
 def _fill_background(height: NDArray[np.float32], seen: NDArray[np.bool_]) -> None:

@@ -1,8 +1,9 @@
 """What the trainers read: canonical depth images with their labelled grasps, in memory.
 
 A stored scene has one clean depth image with its object in the middle. Labels do not change when the whole scene is
-turned and moved on the table, so each scene may be rendered again at other places, and from tilted cameras through the
-same rectification as in planning: what the networks meet in use, with true perspective and true occlusion.
+turned and moved on the table, so each scene may be rendered again at other places, and by other cameras, tilted or with
+the object aside, through the same rectification as in planning: what the networks meet in use, with true perspective
+and true occlusion.
 """
 
 from __future__ import annotations
@@ -35,9 +36,10 @@ class Views(config.Settings):
 
     Attributes:
         count: renderings besides the stored one.
-        reach: the scene is moved by up to this much along x and y, metres.
+        reach: the canonical camera stands aside of the scene by up to this much along x and y, metres.
         tilted: share of these views that are taken by another camera: tilted, higher or lower, of another focal
             length, and made canonical as in planning.
+        aside: such a camera looks past the scene by up to this much along x and y, metres, but sees all of it.
         tilt: largest tilt, rad.
         height: least and greatest height of that camera, metres.
         focal: least and greatest focal length of that camera, pixels at 640×480.
@@ -46,13 +48,14 @@ class Views(config.Settings):
     count: int = 0
     reach: float = 0.08
     tilted: float = 0.5
+    aside: float = 0.0
     tilt: float = 0.6
     height: tuple[float, float] = (0.55, 0.9)
     focal: tuple[float, float] = (450.0, 700.0)
 
     def __post_init__(self) -> None:
-        if self.count < 0 or self.reach < 0 or not 0 <= self.tilted <= 1 or not 0 <= self.tilt < 1.2:
-            raise ValueError("views: count and reach are at least 0, tilted is a share, tilt lies in [0, 1.2) rad")
+        if min(self.count, self.reach, self.aside) < 0 or not 0 <= self.tilted <= 1 or not 0 <= self.tilt < 1.2:
+            raise ValueError("views: count, reach, aside are at least 0, tilted is a share, tilt lies in [0, 1.2) rad")
         for name in ("height", "focal"):
             low, high = getattr(self, name)
             if not 0 < low <= high:
@@ -165,12 +168,21 @@ def more_views(
     straight = canonical_camera()
     for index in range(views.count):
         move = _about_vertical(rng.uniform(-np.pi, np.pi))
-        move[:2, 3] = rng.uniform(-views.reach, views.reach, 2)
-        poses = [move @ placed.world_from_object for placed in scene.objects]
         if rng.random() < views.tilted:
-            image = _middle(rectify(renderer.render(_other_camera(views, rng), poses)).image)
+            camera, reach = _other_camera(views, rng), views.aside
+            while True:
+                move[:2, 3] = rng.uniform(-reach, reach, 2)
+                corners = _corners(scene, move)
+                if reach < 0.01 or _in_view(corners, camera):
+                    break
+                reach *= 0.9
+            poses = [move @ placed.world_from_object for placed in scene.objects]
+            over = (corners[:, :2].min(axis=0) + corners[:, :2].max(axis=0)) / 2
+            over += rng.uniform(-views.reach, views.reach, 2)
+            image = _middle(rectify(renderer.render(camera, poses)).above(over).image)
         else:
-            image = renderer.render(straight, poses)
+            move[:2, 3] = rng.uniform(-views.reach, views.reach, 2)
+            image = renderer.render(straight, [move @ placed.world_from_object for placed in scene.objects])
         yield training_scene(f"{name}/{index + 1}", object_name, image, grasps.moved(move))
 
 
@@ -191,6 +203,19 @@ def _other_camera(views: Views, rng: np.random.Generator) -> Camera:
     )
 
 
+def _corners(scene: Scene, move: NDArray[np.float64]) -> NDArray[np.float64]:
+    """All vertices (N, 3) of a moved scene, world, metres."""
+    vertices = np.concatenate([placed.vertices for placed in scene.objects])
+    return np.asarray(vertices @ move[:3, :3].T + move[:3, 3])
+
+
+def _in_view(points: NDArray[np.float64], camera: Camera) -> bool:
+    """Whether a camera sees all points (N, 3) with some room to the border of its image."""
+    u, v, _ = camera.project(points).T
+    k = camera.intrinsics
+    return bool(min(u.min(), v.min()) > 10 and u.max() < k.width - 10 and v.max() < k.height - 10)
+
+
 def _about_vertical(yaw: float) -> NDArray[np.float64]:
     """4×4 rotation about the world's z axis."""
     c, s = math.cos(yaw), math.sin(yaw)
@@ -200,10 +225,9 @@ def _about_vertical(yaw: float) -> NDArray[np.float64]:
 
 
 def _middle(canvas: DepthImage) -> DepthImage:
-    """The `SIZE` pixels square of a canvas around the world's origin, padded with bare table."""
+    """The `SIZE` pixels square of a canvas around the place below its camera, padded with bare table."""
     k = canvas.camera.intrinsics
-    u, v, _ = canvas.camera.project([0.0, 0.0, 0.0])
-    left, top = round(float(u) - (SIZE - 1) / 2), round(float(v) - (SIZE - 1) / 2)
+    left, top = round(k.cx - (SIZE - 1) / 2), round(k.cy - (SIZE - 1) / 2)
     depth = np.full((SIZE, SIZE), canvas.camera.pose[2, 3], np.float32)
     rows = slice(max(top, 0), min(top + SIZE, k.height))
     columns = slice(max(left, 0), min(left + SIZE, k.width))

@@ -98,12 +98,22 @@ def test_the_fingers_of_every_scored_grasp_are_free(planner, photo, make_box, rn
 def test_the_next_region_is_tried_when_the_best_yields_nothing(make_runtime, photo, make_box, rng):
     # a slab too wide for the gripper is hotter, a bar beside it can be grasped
     image = photo(make_box(-0.1, 0.0, (0.11, 0.11, 0.05), 0.0), make_box(0.1, 0.0, (0.1, 0.02, 0.03), 1.5))
-    planner = CascadePlanner(make_runtime(), GRIPPER, settings(regions=30))
+    planner = CascadePlanner(make_runtime(), GRIPPER, settings(regions=30, paired=0))
     plan = planner(image, rng=rng)
     assert plan.candidates and plan.candidates[0].grasp.position[0] > 0.05
     assert len(plan.sampled) > 64
-    one = CascadePlanner(make_runtime(), GRIPPER, settings(regions=1))(image, rng=rng)
+    one = CascadePlanner(make_runtime(), GRIPPER, settings(regions=1, paired=0))(image, rng=rng)
     assert not one.candidates and one.reason.startswith("all ")
+
+
+def test_a_small_place_to_grip_on_what_is_too_big_is_found_by_its_edges(make_runtime, photo, make_box):
+    image = photo(make_box(0, 0, (0.17, 0.17, 0.03), 0.0), make_box(0.05, 0.05, (0.015, 0.015, 0.07), 0.0))
+    without, with_pairs = (
+        CascadePlanner(make_runtime(), GRIPPER, settings(regions=1, paired=paired))(image, rng=np.random.default_rng(3))
+        for paired in (0, 64)
+    )
+    assert not without.candidates and with_pairs.candidates
+    assert with_pairs.candidates[0].grasp.position[:2] == pytest.approx((0.05, 0.05), abs=0.012)
 
 
 def test_an_empty_plan_says_why(make_runtime, photo, make_box, rng):
@@ -155,7 +165,7 @@ def test_a_plan_that_runs_out_of_time_says_so(make_runtime, clock, photo, make_b
 def test_a_small_thing_is_sampled_again_when_its_only_region_yields_nothing(make_runtime, photo, make_box, rng):
     image = photo(make_box(0.0, 0.0, (0.03, 0.03, 0.04)))
     runtime = make_runtime(factor=0.3)
-    plan = CascadePlanner(runtime, GRIPPER, settings(regions=3, polished=0))(image, rng=rng)
+    plan = CascadePlanner(runtime, GRIPPER, settings(regions=3, polished=0, paired=0))(image, rng=rng)
     assert runtime.scored == [64, 64, 64] and len({c.grasp for c in plan.scored}) > 100
     assert plan.reason.startswith("all 192 scored grasps are below t")
 

@@ -2,6 +2,7 @@ import math
 import os
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import trimesh
@@ -12,6 +13,7 @@ from grasp_core.camera import Camera, CameraIntrinsics, DepthImage, load_camera,
 from grasp_core.errors import ImageError
 from grasp_core.objects.asset import ObjectAsset, Part
 from grasp_core.scene import Scene, place
+from grasp_core.sensing.noise import ImageNoise, add_noise
 from grasp_core.sensing.preprocess import read_depth
 from grasp_core.sensing.rectify import rectify
 from grasp_core.sensing.renderer import render
@@ -102,6 +104,21 @@ def test_the_canonical_camera_can_stand_over_an_object(tilt):
     assert np.allclose(before, after, atol=1e-6), "the table stays where it is"
     assert over.above(np.array([0.16, -0.1])) is over
     assert np.array_equal(over.above(there.image.camera.pose[:2, 3]).image.depth, there.image.depth)
+
+
+def test_the_table_under_a_bulge_does_not_show_through_it():
+    mesh = trimesh.creation.cylinder(radius=0.05, height=0.16, sections=64)
+    vertices, faces = np.asarray(mesh.vertices)[:, [2, 0, 1]], np.asarray(mesh.faces, np.int32)  # it lies along x
+    asset = ObjectAsset("can", "test", vertices, faces, (Part(vertices, faces),), mesh.volume, np.eye(3))
+    pose = np.eye(4)
+    pose[2, 3] = 0.05
+    scene = Scene.single(asset, place(pose, 0.16, 0.16, 0.5))
+    image = add_noise(render(scene, Camera(VGA, look_down(0.7))), ImageNoise(), np.random.default_rng(0))
+    over = rectify(image).above(np.array([0.16, 0.16]))
+    truth = render(scene, over.image.camera).depth
+    inside = cv2.erode((truth < 0.64).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+    assert inside.sum() > 3000
+    assert (over.image.depth[inside] > 0.68).mean() < 0.002
 
 
 @pytest.mark.parametrize("over", [False, True])
