@@ -152,7 +152,7 @@ class NetworkSettings(SearchSettings):
         pose_noise: how far the robot strays from the pose that it is told.
     """
 
-    threshold: float = 0.7
+    threshold: float = 0.6
     pose_noise: PoseNoise = PoseNoise()
 
 

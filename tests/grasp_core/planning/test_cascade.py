@@ -120,7 +120,7 @@ def test_an_empty_plan_says_why(make_runtime, photo, make_box, rng):
     planner = CascadePlanner(make_runtime(factor=0.3), GRIPPER)
     plan = planner(photo(make_box(0, 0)), rng=rng)
     assert plan.candidates == () and plan.scored
-    assert plan.reason.startswith(f"all {len(plan.scored)} scored grasps are below t = 0.7; the best has 0.")
+    assert plan.reason.startswith(f"all {len(plan.scored)} scored grasps are below t = 0.6; the best has 0.")
     plan = planner(photo(), rng=rng)
     assert plan.reason.startswith("no object above the table") and plan.region is None and plan.sampled.shape == (0, 2)
     noise = DepthImage.from_array(rng.uniform(0.3, 5, (480, 640)), Camera(photo().camera.intrinsics))
