@@ -161,9 +161,7 @@ class Bodies:
                 before, after, part = frame_at(playback.attempt.recording, playback.position)
                 points = force_lines(playback.attempt.recording, after if part >= 0.5 else before)
         elif old is None or _rest(old) != _rest(new):
-            shown = 0 if opened is None else len(opened.scene.objects)
-            poses = [new.pose(slot) if slot < shown else None for slot in range(MOST_THINGS)]
-            self._cast.stand(poses)
+            self._cast.stand([_pose(new, slot) for slot in range(MOST_THINGS)])
             candidate = new.candidate
             if opened is not None:
                 self._cast.hold(opened.gripper, None if candidate is None or new.dragging else candidate.grasp)
@@ -180,7 +178,8 @@ class Bodies:
 
     def _hold(self, state: State) -> None:
         """The gizmo at the grabbed object; while it is dragged the page itself moves it."""
-        transform = None if state.scene is None or not state.request.things else state.pose(state.grabbed)
+        known = state.scene is not None and state.request.things and state.failure is None
+        transform = state.pose(state.grabbed) if known else None
         put(self._gizmo, visible=transform is not None and state.playback is None)
         free = state.mode == "free"
         put(self._gizmo, active_axes=(True, True, free))
@@ -194,5 +193,12 @@ def _grab(slot: int) -> Callable[[int], Grab]:
     return lambda _: Grab(slot)
 
 
+def _pose(state: State, slot: int) -> NDArray[np.float64] | None:
+    """Where an object stands: as wanted, or where no scene could be made of that, in the one before."""
+    if state.scene is None or slot >= len(state.scene.scene.objects):
+        return None
+    return state.pose(slot) if state.failure is None else state.scene.scene.objects[slot].world_from_object
+
+
 def _rest(state: State) -> tuple[object, ...]:
-    return id(state.scene), state.request.things, state.choice, state.playback is None, state.dragging
+    return id(state.scene), state.request.things, state.failure, state.choice, state.playback is None, state.dragging

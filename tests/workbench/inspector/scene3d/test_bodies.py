@@ -40,6 +40,18 @@ def test_a_replay_moves_all_bodies_and_hides_the_gizmo(bodies, shown, attempt):
     assert nodes["/objects/0"].position[2] == pytest.approx(0.03) and not nodes["/contacts"].visible
 
 
+def test_the_objects_of_the_scene_before_stay_where_no_scene_could_be_made(bodies, shown):
+    part, nodes = bodies
+    part.update(None, shown)
+    before = np.array(nodes["/objects/0"].position)
+    failed = replace(shown, request=SceneRequest(), failure="no")
+    part.update(shown, failed)
+    assert nodes["/objects/0"].visible and nodes["/objects/0"].position == pytest.approx(before)
+    assert not nodes["/gizmo"].visible
+    part.update(failed, shown)
+    assert nodes["/gizmo"].visible
+
+
 def test_two_attempts_play_together(bodies, shown, attempt):
     part, nodes = bodies
     other = replace(shown, playback=Playback(shown.choice, attempt(1)), pinned=Pinned(Choice(0, 1), 0.5, attempt(0)))
