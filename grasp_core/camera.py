@@ -151,6 +151,13 @@ class Camera:
             pixels = self.intrinsics.pixels(camera[..., :2] / depth[..., None])
         return np.concatenate([pixels, depth[..., None]], axis=-1)
 
+    def sees(self, points: ArrayLike, margin: float) -> bool:
+        """Whether world points (N, 3), metres, all project into the image, `margin` pixels off its border."""
+        u, v, depth = self.project(points).T
+        k = self.intrinsics
+        inside = (u >= margin) & (u <= k.width - 1 - margin) & (v >= margin) & (v <= k.height - 1 - margin)
+        return bool((inside & (depth > 0)).all())
+
     def deproject(self, pixels: ArrayLike, depth: ArrayLike) -> NDArray[np.float64]:
         """Pixels (…, 2) and their z-depths (…), metres → world points (…, 3), metres; inverse of `project`."""
         rays = self.intrinsics.rays(pixels)

@@ -82,7 +82,7 @@ def make_scene(asset: ObjectAsset, pose: NDArray[np.float64], camera: Camera, sp
         x, y = rng.uniform(low, high)
         placed = place(pose, float(x), float(y), float(rng.uniform(-math.pi, math.pi)))
         scene = Scene.single(asset, placed, camera)
-        if _in_view(scene.objects[0].vertices, camera):
+        if camera.sees(scene.objects[0].vertices, MARGIN):
             return scene
     raise GraspError(
         f"{asset.name}: nowhere on the table does the camera see all of it; give a wider or higher camera, or leave"
@@ -119,11 +119,3 @@ def _footprint(camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]
         raise GraspError("this camera sees the horizon, not only the table; tilt it further down")
     table = start + slopes * (start[2] / -slopes[:, 2])[:, None]
     return table[:, :2].min(axis=0), table[:, :2].max(axis=0)
-
-
-def _in_view(vertices: NDArray[np.float64], camera: Camera) -> bool:
-    """Whether all vertices (V, 3) project into the image, `MARGIN` pixels off its border."""
-    u, v, depth = camera.project(vertices).T
-    k = camera.intrinsics
-    inside = (u >= MARGIN) & (u <= k.width - 1 - MARGIN) & (v >= MARGIN) & (v <= k.height - 1 - MARGIN)
-    return bool((inside & (depth > 0)).all())

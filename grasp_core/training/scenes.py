@@ -29,6 +29,8 @@ DEPTH_UNIT = 1e-4
 
 SIZE = canonical_camera().intrinsics.width
 """Side of the training images, pixels."""
+_MARGIN = 10
+"""Pixels that stay free between the scene and the border of another camera's image."""
 
 
 class Views(config.Settings):
@@ -173,7 +175,7 @@ def more_views(
             while True:
                 move[:2, 3] = rng.uniform(-reach, reach, 2)
                 corners = _corners(scene, move)
-                if reach < 0.01 or _in_view(corners, camera):
+                if reach < 0.01 or camera.sees(corners, _MARGIN):
                     break
                 reach *= 0.9
             poses = [move @ placed.world_from_object for placed in scene.objects]
@@ -207,13 +209,6 @@ def _corners(scene: Scene, move: NDArray[np.float64]) -> NDArray[np.float64]:
     """All vertices (N, 3) of a moved scene, world, metres."""
     vertices = np.concatenate([placed.vertices for placed in scene.objects])
     return np.asarray(vertices @ move[:3, :3].T + move[:3, 3])
-
-
-def _in_view(points: NDArray[np.float64], camera: Camera) -> bool:
-    """Whether a camera sees all points (N, 3) with some room to the border of its image."""
-    u, v, _ = camera.project(points).T
-    k = camera.intrinsics
-    return bool(min(u.min(), v.min()) > 10 and u.max() < k.width - 10 and v.max() < k.height - 10)
 
 
 def _about_vertical(yaw: float) -> NDArray[np.float64]:

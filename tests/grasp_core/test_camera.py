@@ -299,3 +299,10 @@ def test_a_distortion_that_folds_the_image_is_refused(tmp_path):
     path.write_text("fx: 525\nfy: 525\ncx: 319.5\ncy: 239.5\nwidth: 640\nheight: 480\ndistortion: [-5, 0, 0, 0, 0]\n")
     with pytest.raises(ConfigError, match=r"fold\.yaml.*distortion"):
         load_camera(path)
+
+
+def test_a_camera_sees_what_lies_wholly_in_its_image():
+    camera = Camera(CameraIntrinsics(525, 525, 319.5, 239.5, 640, 480), look_down(0.7))
+    middle, right = [0.0, 0.0, 0.0], [0.41, 0.0, 0.0]  # 307 px right of the middle
+    assert camera.sees([middle, right], 10) and not camera.sees([middle, right], 15)
+    assert not camera.sees([middle, [0.0, 0.0, 0.8]], 0), "above the camera"
