@@ -23,6 +23,9 @@ _LEAST_WINDOW = 300
 """Pixels: the training size."""
 _STEP = 36
 """Pixels: windows grow in steps, so that a network meets few sizes; a multiple of its stride."""
+_ASIDE = 0.05
+"""Metres from below the camera to the middle of the places from which on the camera is moved over it: training views
+stand aside by as much, and a second view takes time."""
 _RIM = 3
 """Pixels: what comes this near to the border of the canvas is cut off."""
 _STEP_DEPTH = 0.012
@@ -116,8 +119,10 @@ def look(
     rectified = rectify(image)
     places = _places(rectified, mask, settings)
     if places.any():
-        rectified = rectified.above(_middle(rectified.image, places))
-        places = _places(rectified, mask, settings)
+        middle = _middle(rectified.image, places)
+        if np.linalg.norm(middle - rectified.image.camera.pose[:2, 3]) > _ASIDE:
+            rectified = rectified.above(middle)
+            places = _places(rectified, mask, settings)
     if not places.any():
         where = "" if mask is None else " under the mask"
         return rectified, (
