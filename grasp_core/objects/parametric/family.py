@@ -57,7 +57,7 @@ def family(
     return register
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=32)
 def make(name: str, seed: int) -> ObjectAsset:
     """The object `name_seed` (e.g. "mug_003"): the same for the same family and seed.
 
