@@ -23,9 +23,6 @@ _LEAST_WINDOW = 300
 """Pixels: the training size."""
 _STEP = 36
 """Pixels: windows grow in steps, so that a network meets few sizes; a multiple of its stride."""
-_ASIDE = 0.05
-"""Metres from below the camera to the middle of the places from which on the camera is moved over it: training views
-stand aside by as much, and a second view takes time."""
 _RIM = 3
 """Pixels: what comes this near to the border of the canvas is cut off."""
 _STEP_DEPTH = 0.012
@@ -117,12 +114,8 @@ def look(
         ImageError: no table plane, a camera that does not look at the table, or a mask that does not fit.
     """
     rectified = rectify(image)
+    rectified = rectified.above(rectified.middle(_whole_raised(rectified, mask, settings)))
     places = _places(rectified, mask, settings)
-    if places.any():
-        middle = _middle(rectified.image, places)
-        if np.linalg.norm(middle - rectified.image.camera.pose[:2, 3]) > _ASIDE:
-            rectified = rectified.above(middle)
-            places = _places(rectified, mask, settings)
     if not places.any():
         where = "" if mask is None else " under the mask"
         return rectified, (
@@ -131,7 +124,7 @@ def look(
         )
     rows = _stretch(np.flatnonzero(places.any(axis=1)), places.shape[0], _MARGIN, _LEAST_WINDOW)
     columns = _stretch(np.flatnonzero(places.any(axis=0)), places.shape[1], _MARGIN, _LEAST_WINDOW)
-    canvas = rectified.image.camera
+    canvas = rectified.canvas
     k = msgspec.structs.replace(
         canvas.intrinsics,
         cx=canvas.intrinsics.cx - columns.start,
@@ -152,11 +145,20 @@ def _places(rectified: Rectified, mask: NDArray[np.bool_] | None, settings: View
     return _whole_things(rectified, raised, settings.least_area)
 
 
-def _middle(image: DepthImage, places: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The middle (x, y) of the bounding rectangle of what the places show, world, metres."""
-    v, u = np.nonzero(places)
-    points = image.camera.deproject(np.column_stack([u, v]).astype(float), image.depth[v, u].astype(float))
-    return np.asarray(points[:, :2].min(axis=0) + points[:, :2].max(axis=0)) / 2
+def _whole_raised(rectified: Rectified, mask: NDArray[np.bool_] | None, settings: ViewSettings) -> NDArray[np.bool_]:
+    """Boolean (H, W) of the turned view: about what the places show, to put the canonical camera over."""
+    raised = rectified.turned > settings.least_height
+    if mask is not None:
+        return raised & rectified.turn_mask(mask)
+    inside = _bounds(raised)
+    if inside is not None:
+        count, labels = _components(raised[inside])
+        large = np.bincount(labels.reshape(-1), minlength=count) >= settings.least_area
+        large[0] = False
+        whole = large.copy()
+        whole[labels[rectified.rim[inside]]] = False
+        raised[inside] = (whole if whole.any() else large)[labels]
+    return raised
 
 
 def _whole_things(rectified: Rectified, raised: NDArray[np.bool_], least_area: int) -> NDArray[np.bool_]:

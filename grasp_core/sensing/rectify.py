@@ -10,7 +10,7 @@ the outside of the view, takes its background.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -49,42 +49,77 @@ _FAR = 8000.0
 
 @dataclass(frozen=True, eq=False)
 class Rectified:
-    """A view made canonical.
+    """A view made canonical; it is rendered when it is first asked for.
 
     Attributes:
-        image: the canvas: depth without holes, from a camera straight down (its pose is in the input's world).
-        seen: boolean (H, W), true where the input shows what the canvas holds.
+        canvas: the canonical camera, straight down, in the input's world.
         camera: the input's camera with the pose that was used.
         missing: share of the input's pixels that were invalid.
         turn: how the input is warped to the turned camera; see `_Turn`.
-        moved: flat canvas indices (2, M): pixels of the turned view and where on the canvas they are shown.
         turned: (H, W) heights above the table in the turned view, metres; −inf where nothing usable was seen.
         foot: (2,) the pixel of the canvas straight below the input's camera.
     """
 
-    image: DepthImage
-    seen: NDArray[np.bool_]
+    canvas: Camera
     camera: Camera
     missing: float
     turn: _Turn
-    moved: NDArray[np.intp]
     turned: NDArray[np.float32]
     foot: NDArray[np.float64]
+
+    @property
+    def image(self) -> DepthImage:
+        """What the canonical camera sees: depth without holes."""
+        return self._rendered[0]
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Boolean (H, W), true where the input shows what the canvas holds."""
+        return self._rendered[1]
+
+    @property
+    def moved(self) -> NDArray[np.intp]:
+        """Flat canvas indices (2, M): pixels of the turned view and where on the canvas they are shown."""
+        return self._rendered[2]
+
+    @cached_property
+    def _rendered(self) -> tuple[DepthImage, NDArray[np.bool_], NDArray[np.intp]]:
+        height = self.turned.copy()
+        moved = _move_raised(height, self.camera.pose[2, 3], self.foot, self.canvas)
+        seen = _close_gaps(height, np.isfinite(height))
+        if not np.array_equal(*moved):
+            _close_pits(height)
+        np.maximum(height, np.float32(-_FLOOR), out=height)
+        _fill_background(height, seen)
+        depth = np.subtract(np.float32(CANONICAL_HEIGHT), height, out=height)
+        return DepthImage(depth, self.canvas, np.ones_like(seen)), seen, moved
 
     def above(self, place: NDArray[np.float64]) -> Rectified:
         """The same seen from another place: the canonical camera stands over (x, y) of the table, world, metres.
 
         Pixels of the table stay where they are on the canvas, what stands above it moves. `place` is rounded to pixels.
         """
-        canvas = self.image.camera
-        shift = np.rint((np.asarray(place, float) - canvas.pose[:2, 3]) @ canvas.pose[:2, :2] * _DENSITY)
+        pose, k = self.canvas.pose.copy(), self.canvas.intrinsics
+        shift = np.rint((np.asarray(place, float) - pose[:2, 3]) @ pose[:2, :2] * _DENSITY)
         if not shift.any():
             return self
-        pose = canvas.pose.copy()
-        pose[:2, 3] += canvas.pose[:2, :2] @ shift / _DENSITY
-        k = canvas.intrinsics
-        k = msgspec.structs.replace(k, cx=k.cx + shift[0], cy=k.cy + shift[1])
-        return _rendered(Camera(k, pose), self.camera, self.missing, self.turn, self.turned, self.foot)
+        pose[:2, 3] += pose[:2, :2] @ shift / _DENSITY
+        return replace(self, canvas=Camera(msgspec.structs.replace(k, cx=k.cx + shift[0], cy=k.cy + shift[1]), pose))
+
+    def middle(self, chosen: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Where on the table, (x, y) in the world, metres, the middle of pixels (H, W) of the turned view is.
+
+        That of the rectangle around them along the canvas; the place below the canonical camera when there are none.
+        """
+        start = np.flatnonzero(chosen)
+        if not len(start):
+            return self.canvas.pose[:2, 3].copy()
+        k, camera_height = self.canvas.intrinsics, self.camera.pose[2, 3]
+        rows, columns = np.divmod(start, k.width)
+        shrink = (camera_height - self.turned.reshape(-1)[start]) / camera_height
+        pixels = [foot + shrink * (axis - foot) for axis, foot in zip((columns, rows), self.foot, strict=True)]
+        offset = [(axis.min() + axis.max()) / 2 - middle for axis, middle in zip(pixels, (k.cx, k.cy), strict=True)]
+        return np.asarray(self.canvas.pose[:2, 3] + self.canvas.pose[:2, :2] @ np.array(offset) / _DENSITY)
 
     @cached_property
     def rim(self) -> NDArray[np.bool_]:
@@ -116,7 +151,7 @@ class Rectified:
             down: metres along its y axis.
             height: of the points above the table, metres; all three broadcast.
         """
-        k, camera_height = self.image.camera.intrinsics, self.camera.pose[2, 3]
+        k, camera_height = self.canvas.intrinsics, self.camera.pose[2, 3]
         stretch = (camera_height / np.maximum(camera_height - height, 1e-3)).astype(np.float32)
         u, v = (
             np.float32(foot) + (np.float32(_DENSITY) * offset + np.float32(principal - foot)) * stretch
@@ -124,8 +159,8 @@ class Rectified:
         )
         return np.asarray(look_up(self._occluders, u, v, outside=-np.inf) > height)
 
-    def carry(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """A mask of the input (H, W) → of the canvas; false where nothing was seen.
+    def turn_mask(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """A mask of the input (H, W) → of the turned view.
 
         Raises:
             ImageError: the mask is not boolean or has another size than the input.
@@ -136,7 +171,11 @@ class Rectified:
                 f"the mask is {mask.dtype} of the shape {mask.shape}; it must be boolean and {(k.height, k.width)},"
                 " the shape of the image"
             )
-        turned = self.turn.warp(np.ascontiguousarray(mask, np.float32), 0.0) > 0.5
+        return np.asarray(self.turn.warp(np.ascontiguousarray(mask, np.float32), 0.0) > 0.5)
+
+    def carry(self, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """A mask of the input (H, W) → of the canvas; false where nothing was seen. Raises as `turn_mask`."""
+        turned = self.turn_mask(mask)
         carried = turned.copy().reshape(-1)
         carried[self.moved[0]] = False
         carried[self.moved[1]] = turned.reshape(-1)[self.moved[0]]
@@ -199,27 +238,7 @@ def rectify(image: DepthImage) -> Rectified:
             "the depth image shows nothing near the table under its camera; check world_from_camera in the camera file"
         )
     missing = 1 - float(np.count_nonzero(image.valid)) / image.valid.size
-    return _rendered(canvas, camera, missing, turn, turned, foot)
-
-
-def _rendered(
-    canvas: Camera,
-    camera: Camera,
-    missing: float,
-    turn: _Turn,
-    turned: NDArray[np.float32],
-    foot: NDArray[np.float64],
-) -> Rectified:
-    """The canvas as its camera sees the heights of the turned view; arguments as in `Rectified`."""
-    height = turned.copy()
-    moved = _move_raised(height, camera.pose[2, 3], foot, canvas)
-    seen = _close_gaps(height, np.isfinite(height))
-    if not np.array_equal(*moved):
-        _close_pits(height)
-    np.maximum(height, np.float32(-_FLOOR), out=height)
-    _fill_background(height, seen)
-    depth = np.subtract(np.float32(CANONICAL_HEIGHT), height, out=height)
-    return Rectified(DepthImage(depth, canvas, np.ones_like(seen)), seen, camera, missing, turn, moved, turned, foot)
+    return Rectified(canvas, camera, missing, turn, turned, foot)
 
 
 def _canvas(camera: Camera) -> Camera:
