@@ -23,6 +23,9 @@ _LEAST_WINDOW = 300
 """Pixels: the training size."""
 _STEP = 36
 """Pixels: windows grow in steps, so that a network meets few sizes; a multiple of its stride."""
+_ASIDE = 0.05
+"""Metres from below the camera to the middle of the places from which on the camera is moved over it: training views
+stand aside by as much, and moving what stands above the table takes time."""
 _RIM = 3
 """Pixels: what comes this near to the border of the canvas is cut off."""
 _STEP_DEPTH = 0.012
@@ -114,7 +117,9 @@ def look(
         ImageError: no table plane, a camera that does not look at the table, or a mask that does not fit.
     """
     rectified = rectify(image)
-    rectified = rectified.above(rectified.middle(_whole_raised(rectified, mask, settings)))
+    middle = rectified.middle(_whole_raised(rectified, mask, settings))
+    if np.linalg.norm(middle - rectified.canvas.pose[:2, 3]) > _ASIDE:
+        rectified = rectified.above(middle)
     places = _places(rectified, mask, settings)
     if not places.any():
         where = "" if mask is None else " under the mask"
