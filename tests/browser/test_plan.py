@@ -15,8 +15,10 @@ FORK = """index => {
   point.applyMatrix4(mesh.getMatrixAt(index, mesh.matrixWorld.clone()) ?? mesh.matrixWorld);
   point.applyMatrix4(mesh.matrixWorld).project(camera);
   const box = document.querySelector('canvas[data-engine]').getBoundingClientRect();
-  return [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
+  const place = [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
+  return place.every(Number.isFinite) && place;
 }"""
+"""JavaScript: where a candidate's gripper is on the page; false while the scene does not hold so many of them yet."""
 
 
 def test_the_first_plan_shows_everything(page):
@@ -84,7 +86,7 @@ def test_two_planners_stand_side_by_side(page):
 
 def test_a_click_on_a_gripper_in_the_scene_selects_it(page):
     for index in range(1, page.rows().count()):
-        page.raw.mouse.click(*page.raw.evaluate(FORK, index))
+        page.raw.mouse.click(*page.until(FORK, index).json_value())
         page.raw.wait_for_timeout(700)
         chosen = re.search(r"candidate (\d+)", page.raw.locator("[data-trial]").inner_text(), re.IGNORECASE)
         if chosen and chosen[1] != "1":
