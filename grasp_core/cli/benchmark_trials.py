@@ -86,7 +86,8 @@ class BenchmarkTrials:
             f" {result.mujoco_agreement:.3f} of them; unstable: {result.unstable_share:.4%}",
         ]
         if result.two_process_speedup is not None:
-            lines.append(f"two processes are {result.two_process_speedup:.2f} times as fast as one")
+            rounds = ", ".join(f"{speedup:.2f}" for speedup in sorted(result.two_process_rounds))
+            lines.append(f"two processes are {result.two_process_speedup:.2f} times as fast as one ({rounds})")
         report = envelope("trials", self.seed, result, watch)
         report["settings"] = {"objects": self.objects, "share": self.share, "attempts": self.attempts}
         print_envelope(report, json=self.json, text="\n".join(lines))

@@ -32,8 +32,8 @@ from grasp_core.simulation.physics import Physics
 from grasp_core.simulation.trial import Attempt, GraspTrial, Outcome
 from grasp_core.simulation.world import World
 
-_PIECES = 4
-"""Pieces of an object's grid in the run with two processes, so that both end at about the same time."""
+_ROUNDS = 6
+"""Comparisons of one process with two, by turns: the speed of machines that others share drifts within seconds."""
 
 
 class Timed(msgspec.Struct, frozen=True):
@@ -87,7 +87,9 @@ class TrialSpeed(msgspec.Struct, frozen=True):
         mujoco_agreement: share of the dynamic attempts that both call a success or not alike, noise included.
         outcomes: outcome → attempts.
         dynamic_ms: outcome → processor time of a dynamic attempt in DART, mean.
-        two_process_speedup: wall time of one process over that of two on the same trials; None if not measured.
+        two_process_speedup: wall time of one process over that of two on the same trials, median of the rounds; None if
+            not measured.
+        two_process_rounds: of each round.
         attempts: all.
         dynamic_attempts: that took dynamics.
         unstable_share: diverged executions over all.
@@ -102,6 +104,7 @@ class TrialSpeed(msgspec.Struct, frozen=True):
     outcomes: dict[str, int]
     dynamic_ms: dict[str, float]
     two_process_speedup: float | None
+    two_process_rounds: tuple[float, ...]
     attempts: int
     dynamic_attempts: int
     unstable_share: float
@@ -185,15 +188,20 @@ def _time_piece(work: Work) -> Timed:
     return time_dart(work)[0]
 
 
-def two_process_speedup(works: Sequence[Work]) -> float:
-    """Wall time of one process over that of two on the same trials, loading not counted."""
-    pieces = [msgspec.structs.replace(work, piece=piece, pieces=_PIECES) for work in works for piece in range(_PIECES)]
-    walls = []
-    for workers in (1, 2):
-        timed = [result for _, result in map_scenes(_time_piece, pieces, Executor(workers=workers))]
-        busy = sum(each.ended - each.started for each in timed)
-        walls.append(busy / workers)
-    return walls[0] / walls[1]
+def two_process_speedups(works: Sequence[Work]) -> list[float]:
+    """Wall time of one process over that of two on the same trials, loading not counted, of each round.
+
+    Each round takes other pieces of the works, and begins with the one or with the two by turns.
+    """
+    speedups = []
+    for number in range(_ROUNDS):
+        pieces = [msgspec.structs.replace(work, piece=number, pieces=_ROUNDS) for work in works]
+        walls = {}
+        for workers in (1, 2) if number % 2 else (2, 1):
+            timed = [result for _, result in map_scenes(_time_piece, pieces, Executor(workers=workers))]
+            walls[workers] = sum(each.ended - each.started for each in timed) / workers
+        speedups.append(walls[1] / walls[2])
+    return speedups
 
 
 def run_trials(
@@ -231,11 +239,11 @@ def run_trials(
         timed.append(time_both(work))
     if not sum(each.dynamic for each in timed):
         raise GraspError("no attempt took dynamics; take a larger share of the grid or other objects")
-    return summarise(timed, two_process_speedup(works) if two else None)
+    return summarise(timed, two_process_speedups(works) if two else [])
 
 
-def summarise(timed: Sequence[Timed], speedup: float | None) -> TrialSpeed:
-    """Pool the objects."""
+def summarise(timed: Sequence[Timed], speedups: Sequence[float]) -> TrialSpeed:
+    """Pool the objects, and the rounds with two processes."""
     outcomes = sum((Counter(each.outcomes) for each in timed), Counter())
     count, dynamic = sum(outcomes.values()), sum(each.dynamic for each in timed)
     dart = sum(each.dynamic_seconds for each in timed)
@@ -251,7 +259,8 @@ def summarise(timed: Sequence[Timed], speedup: float | None) -> TrialSpeed:
         mujoco_agreement=round(same / dynamic, 4) if dynamic else 0.0,
         outcomes=dict(outcomes),
         dynamic_ms={name: round(_mean(name, timed), 3) for name in names},
-        two_process_speedup=None if speedup is None else round(speedup, 3),
+        two_process_speedup=round(float(np.median(speedups)), 3) if speedups else None,
+        two_process_rounds=tuple(round(speedup, 3) for speedup in speedups),
         attempts=count,
         dynamic_attempts=dynamic,
         unstable_share=round(redraws / (count + redraws), 6),

@@ -4,7 +4,7 @@ import pytest
 from grasp_core.errors import GraspError
 from grasp_core.evaluation import trials
 from grasp_core.evaluation.suites import object_plans
-from grasp_core.evaluation.trials import Timed, Work, run_trials, summarise, time_dart, two_process_speedup
+from grasp_core.evaluation.trials import Timed, Work, run_trials, summarise, time_dart, two_process_speedups
 from grasp_core.gripper import load_gripper
 from grasp_core.simulation.physics import load_physics
 
@@ -46,7 +46,7 @@ def test_both_engines_on_the_same_attempts():
 def test_rates_are_pooled_over_objects():
     a = Timed("a", {"SUCCESS": 10, "COLLISION": 90}, 1.0, 10, 0.5, {"SUCCESS": 50.0}, 0.25, 1.0)
     b = Timed("b", {"SUCCESS": 30}, 3.0, 30, 2.5, {"SUCCESS": 100.0}, 0.75, 0.5, redraws=1)
-    pooled = summarise([a, b], 1.9)
+    pooled = summarise([a, b], [1.7, 2.2, 1.9])
     assert pooled.attempts_per_second_per_core == pytest.approx(130 / 4)
     assert pooled.dynamic_attempts_per_second_per_core == pytest.approx(40 / 3, abs=0.01)
     assert pooled.mujoco_dynamic_attempts_per_second_per_core == pytest.approx(40, abs=0.01)
@@ -55,15 +55,26 @@ def test_rates_are_pooled_over_objects():
     assert pooled.dynamic_ms["SUCCESS"] == pytest.approx((50 * 10 + 100 * 30) / 40)
     assert pooled.unstable_share == pytest.approx(1 / 131, abs=1e-6)
     assert pooled.objects["a"].attempts_per_second_per_core == pytest.approx(100)
+    assert pooled.two_process_speedup == pytest.approx(1.9)
+    assert pooled.two_process_rounds == (1.7, 2.2, 1.9)
 
 
-def test_two_process_speedup_is_a_ratio_of_walls(work, monkeypatch):
+def test_one_process_and_two_do_the_same_pieces_by_turns(work, monkeypatch):
+    done = []
+
     def fake(function, items, executor):
+        done.append((executor.workers, [(item.piece, item.pieces) for item in items]))
         for index, _ in enumerate(items):
             yield index, Timed("x", {}, 0.0, 0, started=0.0, ended=1.0 if executor.workers == 1 else 1.05)
 
     monkeypatch.setattr(trials, "map_scenes", fake)
-    assert two_process_speedup([work]) == pytest.approx(2 / 1.05)
+    speedups = two_process_speedups([work, work])
+    assert speedups == pytest.approx([2 / 1.05] * len(speedups))
+    assert len(speedups) >= 3
+    rounds = list(zip(done[::2], done[1::2], strict=True))
+    assert all(one[1] == other[1] for one, other in rounds), "both do the same"
+    assert [one[0] for one, _ in rounds[:2]] == [2, 1]
+    assert {piece for _, pieces in done for piece, _ in pieces} == set(range(len(speedups))), "all of the work"
 
 
 @pytest.mark.parametrize("share", [0.0, 1.5])
