@@ -51,7 +51,7 @@ def _cells(goal: Goal, *, percent: bool = False) -> tuple[str, str, str, str]:
 
     interval = "" if goal.low is None else f"{show(goal.low)} to {show(goal.high)}"
     wanted = f"< {goal.goal:.1%}" if percent else f">= {goal.goal:g}"
-    return show(goal.figure), interval, wanted, {True: "met", False: "MISSED", None: "open"}[goal.met]
+    return show(goal.figure), interval, wanted, {True: "met", False: "not met", None: "open"}[goal.met]
 
 
 def _objects(result: Crosscheck) -> str:
