@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -47,7 +49,6 @@ class CrosscheckCommand:
     def run(self) -> None:
         """Compare, with a progress bar on stderr."""
         import platformdirs
-        import tqdm
 
         from grasp_core.evaluation.crosscheck import run_crosscheck
         from grasp_core.evaluation.crosscheck_text import text
@@ -60,27 +61,40 @@ class CrosscheckCommand:
 
         gripper, physics = load_gripper(self.gripper), load_physics(self.physics)
         sources = object_plans(self.objects, "keep", self.seed)
-        plan = make_plan(
-            sources,
-            self.engines,
-            gripper,
-            physics,
-            grasps=self.grasps,
-            poses=self.poses,
-            noisy=self.noisy,
-            attempts=self.attempts,
-            seed=self.seed,
-        )
+        executor = Executor(self.workers)
+        with _bar("objects", "object") as progress:
+            plan = make_plan(
+                sources,
+                self.engines,
+                gripper,
+                physics,
+                grasps=self.grasps,
+                poses=self.poses,
+                noisy=self.noisy,
+                attempts=self.attempts,
+                seed=self.seed,
+                executor=executor,
+                progress=progress,
+            )
         out = self.out or Path(platformdirs.user_data_dir("grasp-workbench")) / "crosscheck" / plan.digest
         watch = Watch()
-        with tqdm.tqdm(desc="crosscheck", unit="chunk") as bar:
-
-            def progress(done: int, total: int) -> None:
-                bar.total = total
-                bar.update(done - bar.n)
-
-            result = run_crosscheck(sources, plan, gripper, physics, out, Executor(self.workers), progress)
+        with _bar("crosscheck", "chunk") as progress:
+            result = run_crosscheck(sources, plan, gripper, physics, out, executor, progress)
         report = envelope("crosscheck", self.seed, result, watch)
         report["settings"] = {"objects": self.objects, "physics": self.physics, "gripper": self.gripper}
         report["out"] = str(out)
         print_envelope(report, json=self.json, text=f"{text(result)}\n\nlog and pictures: {out}")
+
+
+@contextmanager
+def _bar(what: str, unit: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on stderr, told how much is done of how much."""
+    import tqdm
+
+    with tqdm.tqdm(desc=what, unit=unit) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield progress

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
@@ -16,6 +16,7 @@ from grasp_core.evaluation.seeds import child_seed
 from grasp_core.evaluation.suites import PlannedObject, poses_of
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
+from grasp_core.parallel import Executor, map_scenes
 from grasp_core.scene import Scene
 from grasp_core.simulation.crosscheck import ENGINES, Judge, open_grasps
 from grasp_core.simulation.evidence import Outcome
@@ -30,6 +31,7 @@ CHUNK = 50
 LOG = "verdicts.jsonl"
 _CODE = ("simulation", "evaluation/verdicts.py")
 _SIMULATORS = ("dartpy", "mujoco")
+_HERE = Executor(workers=0)
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True):
@@ -78,8 +80,10 @@ def make_plan(
     noisy: int,
     attempts: int,
     seed: int,
+    executor: Executor = _HERE,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Plan:
-    """Describe a comparison; makes the objects, since verdicts follow from what they are. See `Plan`.
+    """Describe a comparison, see `Plan`; makes the objects, since verdicts follow from what they are.
 
     Raises:
         GraspError: no or an unknown engine, the reference among them, or numbers below what they can be.
@@ -95,8 +99,13 @@ def make_plan(
         if name not in ENGINES:
             raise GraspError(f"'{name}' is no engine; choose from: {others}")
     used = _SIMULATORS if "mujoco" in engines else _SIMULATORS[:1]
+    digests: dict[int, str] = {}
+    progress(0, len(sources))
+    for index, digest in map_scenes(_asset_digest, sources, executor):
+        digests[index] = digest
+        progress(len(digests), len(sources))
     return Plan(
-        objects={source.name: source.make().digest for source in sources},
+        objects={source.name: digests[index] for index, source in enumerate(sources)},
         engines=tuple(dict.fromkeys(engines)),
         grasps=grasps,
         poses=poses,
@@ -108,6 +117,10 @@ def make_plan(
         code=code_digest(*_CODE),
         simulators={name: version for name, version in versions().items() if name in used},
     )
+
+
+def _asset_digest(source: PlannedObject) -> str:
+    return source.make().digest
 
 
 class Line(msgspec.Struct, frozen=True):

@@ -1,9 +1,11 @@
 """What verdicts must not hang on: seams between parts, which finger was made first, and the process that runs them.
 
 Seams and the order of fingers change the order in which the solver meets its contacts, and with it the last bits. A
-grip in balance may tip either way, as in the real world. Measured over 120 grasps on a box that need dynamics: cut in two
-along its length, in two across its height, in three, and in eight parts it agrees with the uncut one on 118, 119, 118 and
-118; with the other finger made first on 118, and on all of 60 each on a mug and a bowl. So 1 in 20 may differ at most.
+grip in balance may tip either way, as in the real world. Measured over 120 grasps on a box that need dynamics: cut in
+two along its length, in two across its height, in three, and in eight parts it agrees with the uncut one on 118, 119,
+118 and 118; with the other finger made first on 118. So 1 in 20 may differ at most. With the other finger made first
+all of 60 each agree on a mug and a bowl, and 56 on a can of twelve sides, on which edges and facets meet the pads; half
+the time step agrees on 56 of the same, too.
 """
 
 import os
@@ -96,11 +98,13 @@ def test_it_does_not_matter_which_finger_was_made_first(uncut, verdicts, grasps)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shape", ["box", "mug", "bowl"])
-def test_it_does_not_matter_which_finger_was_made_first_on_many(shape, shapes, verdicts, grasps, physics, gripper):
+@pytest.mark.parametrize(("shape", "least"), [("box", LEAST), ("mug", LEAST), ("bowl", LEAST), ("can", 0.9)])
+def test_it_does_not_matter_which_finger_was_made_first_on_many(
+    shape, least, shapes, verdicts, grasps, physics, gripper
+):
     scene = cut_box((1, 1, 1)) if shape == "box" else shapes.alone(getattr(shapes, shape)())
     mine = grasps if shape == "box" else open_grasps(scene, gripper, physics, MANY // 2, seed=0)
-    assert agree(verdicts(scene, mine), verdicts(scene, mine, other_first=True)).agreement >= LEAST
+    assert agree(verdicts(scene, mine), verdicts(scene, mine, other_first=True)).agreement >= least
 
 
 def test_the_other_finger_is_made_first(physics, gripper, monkeypatch):
