@@ -12,7 +12,8 @@ class BenchmarkTrials:
 
     All attempts, and those that need dynamics alone, by outcome; in the same run MuJoCo executes the same attempts with
     the same noise draws and stopping rules. Rates count the processor time of one process, so that a busy machine
-    changes them little; the two-process speed-up is wall time.
+    changes them little. The throughput of two processes is the ratio of the time that one and two spend in trials, per
+    process; loading, handing out work and waiting at the end do not count.
 
     Attributes:
         objects: a suite by name, a suite file, or a folder of meshes (in metres).
@@ -21,7 +22,7 @@ class BenchmarkTrials:
         seed: of everything random.
         gripper: a shipped gripper or a gripper file.
         physics: a shipped physics or a physics file.
-        two: also compare one process with two.
+        two: also compare the throughput of two processes with that of one.
         json: print one JSON object.
     """
 
@@ -74,20 +75,28 @@ class BenchmarkTrials:
             f"{result.dynamic_attempts_per_second_per_core:.1f}",
             f"{result.mujoco_dynamic_attempts_per_second_per_core:.1f}",
         )
-        ends = [
-            (n, c, f"{result.dynamic_ms[n]:.1f}" if n in result.dynamic_ms else "") for n, c in result.outcomes.items()
-        ]
+        ends: list[tuple[object, ...]] = []
+        for name, count in result.outcomes.items():
+            found = result.by_outcome.get(name)
+            if found is None:
+                ends.append((name, count, 0, "", "", ""))
+                continue
+            rates = (found.dynamic_attempts_per_second_per_core, found.mujoco_dynamic_attempts_per_second_per_core)
+            ends.append((name, count, found.dynamic, result.dynamic_ms[name], *(f"{rate or 0:.1f}" for rate in rates)))
         lines = [
             table(("object", "attempts", "dynamic", "all/s", "dynamic/s", "MuJoCo/s"), [*rows, whole]),
             "",
-            table(("outcome", "attempts", "ms if dynamic"), ends),
+            table(("outcome in DART", "attempts", "dynamic", "ms if dynamic", "dynamic/s", "MuJoCo/s"), ends),
             "",
             f"MuJoCo is {result.mujoco_ratio:.2f} times as fast on the dynamic attempts and agrees on"
             f" {result.mujoco_agreement:.3f} of them; unstable: {result.unstable_share:.4%}",
         ]
         if result.two_process_speedup is not None:
             rounds = ", ".join(f"{speedup:.2f}" for speedup in sorted(result.two_process_rounds))
-            lines.append(f"two processes are {result.two_process_speedup:.2f} times as fast as one ({rounds})")
+            lines.append(
+                f"two processes get through {result.two_process_speedup:.2f} times as much as one, by the time spent in"
+                f" trials ({rounds})"
+            )
         report = envelope("trials", self.seed, result, watch)
         report["settings"] = {"objects": self.objects, "share": self.share, "attempts": self.attempts}
         print_envelope(report, json=self.json, text="\n".join(lines))

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from grasp_core.evaluation.crosscheck import Crosscheck
 
 
 @dataclass(frozen=True)
@@ -16,21 +13,22 @@ class CrosscheckCommand:
     """Judge the same grasps in DART, in DART with other settings, and in MuJoCo, and compare the verdicts.
 
     The grasps are those of a fine grid that need dynamics, executed without noise; with that of Eq. 4 the qualities
-    in DART and MuJoCo are correlated. What was judged is logged in --out: stopped and started again with the same
-    arguments it goes on. Pictures there show one grasp of each class of disagreement in both engines. Needs the extra
-    `crosscheck`.
+    in DART and MuJoCo are correlated, if MuJoCo is among the engines, which needs the extra `crosscheck`. Executions
+    that diverge (UNSTABLE) are no verdicts: they are left out and their share is reported. What was judged is logged in
+    --out: stopped and started again with the same arguments, code and objects it goes on. Pictures there show one
+    grasp of each class of disagreement in both engines.
 
     Attributes:
         objects: a suite by name, a suite file, or a folder of meshes (in metres).
         engines: to compare with DART: whole (lift), half (time step), fcl (detector), mujoco.
         grasps: noiseless ones an object.
         poses: stable poses an object, at most; the grasps are spread over them.
-        noisy: grasps an object whose qualities are correlated.
+        noisy: grasps an object whose qualities in DART and MuJoCo are correlated.
         attempts: noisy executions of each of those.
         seed: of the choice of grasps and the noise.
         gripper: a shipped gripper or a gripper file.
         physics: a shipped physics or a physics file.
-        out: folder for the log and the pictures; in the user's data folder by default.
+        out: folder for the log and the pictures; by default one in the user's data folder, of this comparison alone.
         workers: local processes; none takes one per core, 0 works in this process.
         json: print one JSON object.
     """
@@ -51,65 +49,52 @@ class CrosscheckCommand:
     def run(self) -> None:
         """Compare, with a progress bar on stderr."""
         import platformdirs
-        import tqdm
 
-        from grasp_core.errors import GraspError
-        from grasp_core.evaluation.crosscheck import Plan, run_crosscheck
+        from grasp_core.evaluation.crosscheck import run_crosscheck
+        from grasp_core.evaluation.crosscheck_text import text
         from grasp_core.evaluation.machine import Watch, envelope, print_envelope
         from grasp_core.evaluation.suites import object_plans
+        from grasp_core.evaluation.verdicts import make_plan
         from grasp_core.gripper import load_gripper
         from grasp_core.parallel import Executor
         from grasp_core.simulation.physics import load_physics
 
-        if self.grasps < 1 or self.poses < 1 or self.noisy < 0 or self.attempts < 1 or self.seed < 0:
-            raise GraspError("--grasps, --poses and --attempts must be at least 1, --noisy and --seed at least 0")
         gripper, physics = load_gripper(self.gripper), load_physics(self.physics)
         sources = object_plans(self.objects, "keep", self.seed)
-        plan = Plan(
-            tuple(source.name for source in sources),
-            self.engines,
-            self.grasps,
-            self.poses,
-            self.noisy,
-            self.attempts,
-            self.seed,
-            physics.digest,
-            gripper.digest,
-        )
-        out = self.out or Path(platformdirs.user_data_dir("grasp-workbench")) / "crosscheck"
+        executor = Executor(self.workers)
+        with _bar("objects", "object") as progress:
+            plan = make_plan(
+                sources,
+                self.engines,
+                gripper,
+                physics,
+                grasps=self.grasps,
+                poses=self.poses,
+                noisy=self.noisy,
+                attempts=self.attempts,
+                seed=self.seed,
+                executor=executor,
+                progress=progress,
+            )
+        out = self.out or Path(platformdirs.user_data_dir("grasp-workbench")) / "crosscheck" / plan.digest
         watch = Watch()
-        with tqdm.tqdm(desc="crosscheck", unit="chunk") as bar:
-
-            def progress(done: int, total: int) -> None:
-                bar.total = total
-                bar.update(done - bar.n)
-
-            result = run_crosscheck(sources, plan, gripper, physics, out, Executor(self.workers), progress)
+        with _bar("crosscheck", "chunk") as progress:
+            result = run_crosscheck(sources, plan, gripper, physics, out, executor, progress)
         report = envelope("crosscheck", self.seed, result, watch)
-        if self.json:
-            print(json.dumps(report, ensure_ascii=False))
-        else:
-            print_envelope(report, json=False, text=_text(result))
+        report["settings"] = {"objects": self.objects, "physics": self.physics, "gripper": self.gripper}
+        report["out"] = str(out)
+        print_envelope(report, json=self.json, text=f"{text(result)}\n\nlog and pictures: {out}")
 
 
-def _text(result: Crosscheck) -> str:
-    from grasp_core.evaluation.report import table
+@contextmanager
+def _bar(what: str, unit: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on stderr, told how much is done of how much."""
+    import tqdm
 
-    rows = [
-        (c.words, c.all.count, f"{c.all.agreement:.3f}", f"{c.goal:.3f}", f"{c.all.kappa:.2f}", f"{c.all.outcomes:.3f}")
-        for c in result.engines.values()
-    ]
-    lines = [table(("DART against", "grasps", "agreement", "goal", "kappa", "same outcome"), rows), ""]
-    names = sorted({name for c in result.engines.values() for name in c.objects})
-    per = [(n, *(f"{c.objects[n].agreement:.3f}" for c in result.engines.values())) for n in names]
-    lines += [table(("object", *result.engines), per), ""]
-    for name, comparison in result.engines.items():
-        differ = {pair: n for pair, n in comparison.all.confusion.items() if len(set(pair.split("→"))) == 2}
-        lines.append(f"DART → {name}: " + (", ".join(f"{pair} {n}" for pair, n in differ.items()) or "no difference"))
-        lines += [f"  {pair}: {path}" for pair, path in comparison.pictures.items()]
-    if result.quality_correlation is not None:
-        lines.append(
-            f"qualities with noise, {result.qualities} grasps: DART and MuJoCo correlate at"
-            f" {result.quality_correlation:.3f} and differ by {result.quality_difference:.3f} on average"
-        )
-    return "\n".join(lines)
+    with tqdm.tqdm(desc=what, unit=unit) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield progress

@@ -2,104 +2,52 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import cv2
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from grasp_core.errors import GraspError
-from grasp_core.evaluation.seeds import child_seed
-from grasp_core.evaluation.suites import PlannedObject, poses_of
+from grasp_core.evaluation.disagreements import Disagreement, Key, disagreements
+from grasp_core.evaluation.suites import PlannedObject
+from grasp_core.evaluation.verdicts import LOG, REFERENCE, Line, Plan, Work, all_work, judge, open_log, scene_and_grasps
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.parallel import Executor, map_scenes
+from grasp_core.rates import wilson
 from grasp_core.scene import Scene
-from grasp_core.simulation.crosscheck import ENGINES, Agreement, Judge, agree, correlation, open_grasps
-from grasp_core.simulation.filmstrip import filmstrip
+from grasp_core.simulation.crosscheck import ENGINES, Agreement, agree, correlation
+from grasp_core.simulation.evidence import Outcome
 from grasp_core.simulation.physics import Physics
 
-_CHUNK = 50
-"""Grasps that are judged between two lines of the log."""
-_LOG = "verdicts.jsonl"
-_TRIED = 5
-"""Grasps of a class of disagreement that are filmed at most."""
+_CORRELATION, _UNSTABLE = 0.95, 0.001
+"""Goals: least correlation of qualities, largest share of diverged executions."""
+_Z = 1.96
 
 
-class Plan(msgspec.Struct, frozen=True):
-    """What is compared.
+class Goal(msgspec.Struct, frozen=True):
+    """A figure beside what it should be.
 
     Attributes:
-        objects: names, in order.
-        engines: of `ENGINES`, without "dart".
-        grasps: noiseless ones an object that need dynamics, spread over its poses.
-        poses: stable poses an object, at most.
-        noisy: grasps an object whose qualities are compared between DART and MuJoCo.
-        attempts: executions of each of those.
-        seed: of the choice of grasps and the noise.
-        physics: digest.
-        gripper: digest.
+        figure: measured; None where it is undefined.
+        low: lower end of its 95 % interval: Wilson's of a share, Fisher's of a correlation.
+        high: upper end.
+        goal: least figure wanted, of "unstable" the bound that it should stay below.
+        met: whether the figure itself reaches it; None where it is undefined.
     """
 
-    objects: tuple[str, ...]
-    engines: tuple[str, ...]
-    grasps: int
-    poses: int
-    noisy: int
-    attempts: int
-    seed: int
-    physics: str
-    gripper: str
-
-
-class Line(msgspec.Struct, frozen=True):
-    """One line of the log: some grasps on one pose in one engine.
-
-    Attributes:
-        object: name.
-        pose: index of the stable pose.
-        engine: of `ENGINES`.
-        start: number of the first grasp on this pose.
-        outcomes: noiseless verdicts, or none.
-        qualities: with noise, or none.
-    """
-
-    object: str
-    pose: int
-    engine: str
-    start: int
-    outcomes: tuple[str, ...] = ()
-    qualities: tuple[float, ...] = ()
-
-    @property
-    def key(self) -> tuple[str, int, str, int, bool]:
-        """What tells one piece of work from another."""
-        return self.object, self.pose, self.engine, self.start, bool(self.qualities)
-
-
-class Work(msgspec.Struct, frozen=True):
-    """One piece of work for a process."""
-
-    source: PlannedObject
-    pose: int
-    engine: str
-    start: int
-    noisy: bool
-    plan: Plan
-    gripper: Gripper
-    physics: Physics
-
-    @property
-    def key(self) -> tuple[str, int, str, int, bool]:
-        """That of the line it makes."""
-        return self.source.name, self.pose, self.engine, self.start, self.noisy
+    figure: float | None
+    low: float | None
+    high: float | None
+    goal: float
+    met: bool | None
 
 
 class Comparison(msgspec.Struct, frozen=True):
-    """One engine against DART.
+    """One engine against DART, over the grasps on which neither diverged.
 
     Attributes:
         words: what the engine is.
@@ -107,6 +55,8 @@ class Comparison(msgspec.Struct, frozen=True):
         all: over every grasp.
         objects: name → agreement on it.
         pictures: class of disagreement ("ONE→OTHER") → file.
+        disagreements: the same classes → how many, of which objects, and what the films say.
+        left_out: share of the grasps on which either engine diverged.
     """
 
     words: str
@@ -114,6 +64,15 @@ class Comparison(msgspec.Struct, frozen=True):
     all: Agreement
     objects: dict[str, Agreement]
     pictures: dict[str, str]
+    disagreements: dict[str, Disagreement]
+    left_out: float
+
+
+class Unstable(msgspec.Struct, frozen=True):
+    """Executions of one engine that diverged, out of all, noisy ones included."""
+
+    diverged: int
+    executions: int
 
 
 class Crosscheck(msgspec.Struct, frozen=True):
@@ -121,46 +80,20 @@ class Crosscheck(msgspec.Struct, frozen=True):
 
     Attributes:
         engines: name → how it compares with DART.
-        quality_correlation: of DART's and MuJoCo's qualities under Eq. 4 noise; None if not measured.
+        quality_correlation: of DART's and MuJoCo's qualities under Eq. 4 noise; None if not measured, or undefined
+            because all qualities of an engine are equal.
         quality_difference: mean absolute difference of those.
         qualities: how many grasps that is.
+        unstable: engine → diverged executions.
+        goals: engine, "correlation" or "unstable" (of DART) → its figure beside its goal.
     """
 
     engines: dict[str, Comparison]
     quality_correlation: float | None
     quality_difference: float | None
     qualities: int
-
-
-def _scene(work: Work) -> tuple[Scene, list[Grasp]]:
-    """The scene, and the grasps that are judged on it."""
-    asset = work.source.make()
-    poses = poses_of(asset, work.physics)[: work.plan.poses]
-    if work.pose >= len(poses):
-        return Scene.single(asset, poses[0].pose), []
-    scene = Scene.single(asset, poses[work.pose].pose)
-    share = _share(work.plan.noisy if work.noisy else work.plan.grasps, len(poses), work.pose)
-    seed = child_seed(work.plan.seed, "crosscheck", work.source.name, work.pose, int(work.noisy))
-    return scene, open_grasps(scene, work.gripper, work.physics, share, seed)
-
-
-def _share(total: int, parts: int, index: int) -> int:
-    return total // parts + (index < total % parts)
-
-
-def judge(work: Work) -> Line:
-    """Judge one chunk of grasps in one engine."""
-    scene, grasps = _scene(work)
-    chunk = grasps[work.start : work.start + _CHUNK]
-    name, pose, engine, start, _ = work.key
-    if not chunk:
-        return Line(name, pose, engine, start)
-    judge_ = Judge(engine, scene, work.gripper, work.physics)
-    if not work.noisy:
-        return Line(name, pose, engine, start, outcomes=tuple(str(judge_.verdict(grasp)) for grasp in chunk))
-    seeds = [child_seed(work.plan.seed, "crosscheck noise", name, pose, start + number) for number in range(len(chunk))]
-    qualities = [judge_.quality(grasp, work.plan.attempts, seed) for grasp, seed in zip(chunk, seeds, strict=True)]
-    return Line(name, pose, engine, start, qualities=tuple(qualities))
+    unstable: dict[str, Unstable]
+    goals: dict[str, Goal]
 
 
 def run_crosscheck(
@@ -175,24 +108,15 @@ def run_crosscheck(
     """Judge everything that the log in `out` does not hold yet, then compare and draw.
 
     Raises:
-        GraspError: an unknown engine, or `out` holds the log of another comparison.
+        GraspError: `out` holds the log of another comparison, MuJoCo is needed and not installed, or no grasp can be
+            compared.
     """
-    unknown = [name for name in plan.engines if name not in ENGINES]
-    if unknown:
-        raise GraspError(f"'{unknown[0]}' is no engine; choose from: {', '.join(ENGINES)}")
-    lines = _open_log(out, plan)
-    works = [
-        Work(source, pose, engine, start, noisy, plan, gripper, physics)
-        for source in sources
-        for noisy in (False, True)
-        for pose in range(plan.poses)
-        for engine in (("dart", "mujoco") if noisy else ("dart", *plan.engines))
-        for start in range(0, plan.noisy if noisy else plan.grasps, _CHUNK)
-    ]
-    known = {line.key for line in lines} | {(*line.key[:4], True) for line in lines if not line.outcomes}
+    lines = open_log(out, plan)
+    works = all_work(sources, plan, gripper, physics)
+    known = {line.key for line in lines}
     left = [work for work in works if work.key not in known]
     progress(len(works) - len(left), len(works))
-    with (out / _LOG).open("ab") as log:
+    with (out / LOG).open("ab") as log:
         for number, (_, line) in enumerate(map_scenes(judge, left, executor), 1):
             log.write(msgspec.json.encode(line) + b"\n")
             log.flush()
@@ -201,112 +125,105 @@ def run_crosscheck(
     return _report(sources, plan, gripper, physics, lines, out)
 
 
-def _open_log(out: Path, plan: Plan) -> list[Line]:
-    """The lines of an earlier run of the same plan; a new log begins with the plan."""
-    out.mkdir(parents=True, exist_ok=True)
-    path = out / _LOG
-    if not path.exists() or not path.read_bytes().strip():
-        path.write_bytes(msgspec.json.encode(plan) + b"\n")
-        return []
-    head, *rest = path.read_bytes().splitlines()
-    try:
-        same = msgspec.json.decode(head, type=Plan) == plan
-    except msgspec.DecodeError:
-        same = False
-    if not same:
-        raise GraspError(f"{path}: belongs to another comparison; give another --out or remove that file")
-    lines = []
-    for line in rest:
-        try:
-            lines.append(msgspec.json.decode(line, type=Line))
-        except msgspec.DecodeError:  # the last line of a run that was killed
-            continue
-    path.write_bytes(b"\n".join([head, *(msgspec.json.encode(line) for line in lines)]) + b"\n")
-    return lines
-
-
 def _report(
     sources: Sequence[PlannedObject], plan: Plan, gripper: Gripper, physics: Physics, lines: Sequence[Line], out: Path
 ) -> Crosscheck:
-    verdicts: dict[str, dict[tuple[str, int, int], str]] = {name: {} for name in ("dart", *plan.engines)}
-    qualities: dict[str, dict[tuple[str, int, int], float]] = {"dart": {}, "mujoco": {}}
+    verdicts: dict[str, dict[Key, str]] = {name: {} for name in (REFERENCE, *plan.engines)}
+    qualities: dict[str, dict[Key, float]] = {REFERENCE: {}, "mujoco": {}}
     for line in lines:
-        for number, outcome in enumerate(line.outcomes):
-            verdicts[line.engine][line.object, line.pose, line.start + number] = outcome
-        for number, quality in enumerate(line.qualities):
-            qualities[line.engine][line.object, line.pose, line.start + number] = quality
-    keys = sorted(verdicts["dart"])
-    if not keys:
+        for number, outcome in enumerate(line.outcomes, line.start):
+            verdicts[line.engine][line.object, line.pose, number] = outcome
+        for number, quality in enumerate(line.qualities, line.start):
+            if quality is not None:
+                qualities[line.engine][line.object, line.pose, number] = quality
+    by_name = {source.name: source for source in sources}
+
+    def grasp_of(key: Key) -> tuple[Scene, Grasp]:
+        scene, grasps = scene_and_grasps(Work(by_name[key[0]], key[1], REFERENCE, 0, False, plan, gripper, physics))
+        return scene, grasps[key[2]]
+
+    reference = verdicts[REFERENCE]
+    if not reference:
         raise GraspError("no grasp on these objects needs dynamics; take other objects or more grasps")
     engines = {}
     for name in plan.engines:
-        other = verdicts[name]
-
-        def compare(chosen: list[tuple[str, int, int]], other: dict[tuple[str, int, int], str] = other) -> Agreement:
-            return agree([verdicts["dart"][key] for key in chosen], [other[key] for key in chosen])
-
-        by_object = {source.name: [key for key in keys if key[0] == source.name] for source in sources}
-        engines[name] = Comparison(
-            ENGINES[name].words,
-            ENGINES[name].goal,
-            compare(keys),
-            {source: compare(mine) for source, mine in by_object.items() if mine},
-            _draw(sources, plan, gripper, physics, verdicts["dart"], other, name, out),
-        )
-    both = sorted(set(qualities["dart"]) & set(qualities["mujoco"]))
-    first, second = ([qualities[name][key] for key in both] for name in ("dart", "mujoco"))
-    return Crosscheck(
+        classes = disagreements(reference, verdicts[name], name, grasp_of, gripper, physics, out)
+        engines[name] = _compare(name, list(by_name), reference, verdicts[name], classes)
+    both = sorted(set(qualities[REFERENCE]) & set(qualities["mujoco"]))
+    first, second = ([qualities[name][key] for key in both] for name in (REFERENCE, "mujoco"))
+    defined = both and min(np.ptp(first), np.ptp(second)) > 0
+    unstable = {name: _unstable(name, plan, lines) for name in verdicts}
+    result = Crosscheck(
         engines,
-        round(correlation(first, second), 4) if both else None,
+        round(correlation(first, second), 4) if defined else None,
         round(float(np.abs(np.subtract(first, second)).mean()), 4) if both else None,
         len(both),
+        unstable,
+        {},
+    )
+    return msgspec.structs.replace(result, goals=_goals(result))
+
+
+def _compare(
+    name: str,
+    objects: Sequence[str],
+    first: dict[Key, str],
+    second: dict[Key, str],
+    classes: dict[str, Disagreement],
+) -> Comparison:
+    keys = [key for key in sorted(first) if Outcome.UNSTABLE not in (first[key], second[key])]
+    if not keys:
+        raise GraspError(f"DART or '{name}' diverged on every grasp, so that nothing can be compared; mend the physics")
+    mine = {source: [key for key in keys if key[0] == source] for source in objects}
+
+    def agreement(chosen: Sequence[Key]) -> Agreement:
+        return agree([first[key] for key in chosen], [second[key] for key in chosen])
+
+    return Comparison(
+        words=ENGINES[name].words,
+        goal=ENGINES[name].goal,
+        all=agreement(keys),
+        objects={source: agreement(chosen) for source, chosen in mine.items() if chosen},
+        pictures={words: each.picture for words, each in classes.items()},
+        disagreements=classes,
+        left_out=round(1 - len(keys) / len(first), 6),
     )
 
 
-def _draw(
-    sources: Sequence[PlannedObject],
-    plan: Plan,
-    gripper: Gripper,
-    physics: Physics,
-    first: dict[tuple[str, int, int], str],
-    second: dict[tuple[str, int, int], str],
-    name: str,
-    out: Path,
-) -> dict[str, str]:
-    """One picture per class of disagreement on success: both engines' films of one grasp, one above the other.
+def _unstable(name: str, plan: Plan, lines: Sequence[Line]) -> Unstable:
+    mine = [line for line in lines if line.engine == name]
+    outcomes = Counter(outcome for line in mine for outcome in line.outcomes)
+    noisy = sum(len(line.qualities) for line in mine) * plan.attempts
+    diverged = outcomes[Outcome.UNSTABLE] + sum(line.diverged for line in mine)
+    return Unstable(diverged, outcomes.total() + noisy)
 
-    It is of the object with most of that class. Films show the whole lift, which may end otherwise than a lift that
-    stopped early: the first of a few grasps is taken whose films end as they were judged, else the first one.
-    """
-    classes: dict[str, list[tuple[str, int, int]]] = {}
-    for key in sorted(first):
-        if (first[key] == "SUCCESS") != (second[key] == "SUCCESS"):
-            classes.setdefault(f"{first[key]}→{second[key]}", []).append(key)
-    pictures: dict[str, str] = {}
-    for words, keys in classes.items():
-        worst = Counter(key[0] for key in keys).most_common(1)[0][0]
-        source = next(source for source in sources if source.name == worst)
-        strips: list[NDArray[np.uint8]] = []
-        for key in [key for key in keys if key[0] == worst][:_TRIED]:
-            scene, grasps = _scene(Work(source, key[1], name, 0, False, plan, gripper, physics))
-            verdicts = {"dart": first[key], name: second[key]}
-            films = {engine: Judge(engine, scene, gripper, physics).record(grasps[key[2]]) for engine in verdicts}
-            as_judged = all(films[engine].outcome == verdict for engine, verdict in verdicts.items())
-            if not strips or as_judged:
-                strips = [
-                    filmstrip(
-                        [placed.asset for placed in scene.objects],
-                        gripper,
-                        film,
-                        title=f"{engine} on {worst}, judged {verdicts[engine]}; {film.outcome}: {film.words}",
-                    )
-                    for engine, film in films.items()
-                ]
-            if as_judged:
-                break
-        width = max(strip.shape[1] for strip in strips)
-        padded = [np.pad(strip, ((0, 0), (0, width - strip.shape[1]), (0, 0)), constant_values=255) for strip in strips]
-        path = out / f"{name}_{words.replace('→', '_')}.png"
-        cv2.imwrite(str(path), np.vstack(padded))
-        pictures[words] = str(path)
-    return pictures
+
+def _goals(result: Crosscheck) -> dict[str, Goal]:
+    goals = {}
+    for name, comparison in result.engines.items():
+        pairs = comparison.all.confusion.items()
+        same = sum(n for pair, n in pairs if pair.split("→").count(Outcome.SUCCESS) != 1)
+        goals[name] = _share(
+            same, comparison.all.count, comparison.goal, same >= comparison.goal * comparison.all.count - 1e-9
+        )
+    if result.qualities:
+        goals["correlation"] = _correlation(result.quality_correlation, result.qualities)
+    dart = result.unstable[REFERENCE]
+    goals["unstable"] = _share(dart.diverged, dart.executions, _UNSTABLE, dart.diverged < _UNSTABLE * dart.executions)
+    return goals
+
+
+def _share(count: int, total: int, goal: float, met: bool) -> Goal:
+    low, high = wilson(count, total)
+    return Goal(round(count / total, 6), round(low, 6), round(high, 6), goal, met)
+
+
+def _correlation(r: float | None, count: int) -> Goal:
+    """The correlation with Fisher's interval (R. A. Fisher, 1921), which needs four grasps and |r| < 1."""
+    if r is None:
+        return Goal(None, None, None, _CORRELATION, None)
+    low = high = None
+    if count > 3 and abs(r) < 1:
+        z, half = math.atanh(r), _Z / math.sqrt(count - 3)
+        low, high = round(math.tanh(z - half), 4), round(math.tanh(z + half), 4)
+    return Goal(r, low, high, _CORRELATION, r >= _CORRELATION)

@@ -36,6 +36,24 @@ _ROUNDS = 6
 """Comparisons of one process with two, by turns: the speed of machines that others share drifts within seconds."""
 
 
+class Spent(msgspec.Struct, frozen=True):
+    """Dynamic attempts of one outcome in DART.
+
+    Attributes:
+        count: how many.
+        dart: processor time of executing them, s.
+        mujoco: processor time of executing the same in MuJoCo, however they end there, s.
+    """
+
+    count: int = 0
+    dart: float = 0.0
+    mujoco: float = 0.0
+
+    def __add__(self, other: Spent) -> Spent:
+        """Both together."""
+        return Spent(self.count + other.count, self.dart + other.dart, self.mujoco + other.mujoco)
+
+
 class Timed(msgspec.Struct, frozen=True):
     """Trials on one object.
 
@@ -44,9 +62,7 @@ class Timed(msgspec.Struct, frozen=True):
         outcomes: outcome → attempts.
         seconds: processor time of all of them, loading not counted.
         dynamic: attempts that took dynamics.
-        dynamic_seconds: processor time of executing those alone.
-        by_outcome: outcome → processor milliseconds of a dynamic attempt that ended so, mean.
-        mujoco_seconds: processor time of the same in MuJoCo.
+        by_outcome: outcome in DART → dynamic attempts that ended so, executed alone in both engines.
         agreement: share of them that MuJoCo calls a success or not as DART does.
         redraws: diverged executions.
         started: wall clock, s.
@@ -57,13 +73,16 @@ class Timed(msgspec.Struct, frozen=True):
     outcomes: dict[str, int]
     seconds: float
     dynamic: int
-    dynamic_seconds: float = 0.0
-    by_outcome: dict[str, float] = {}
-    mujoco_seconds: float = 0.0
+    by_outcome: dict[str, Spent] = {}
     agreement: float | None = None
     redraws: int = 0
     started: float = 0.0
     ended: float = 0.0
+
+    @property
+    def executed(self) -> Spent:
+        """All dynamic attempts."""
+        return sum(self.by_outcome.values(), Spent())
 
 
 class ObjectRow(msgspec.Struct, frozen=True):
@@ -72,6 +91,14 @@ class ObjectRow(msgspec.Struct, frozen=True):
     attempts: int
     dynamic: int
     attempts_per_second_per_core: float
+    dynamic_attempts_per_second_per_core: float | None
+    mujoco_dynamic_attempts_per_second_per_core: float | None
+
+
+class OutcomeRow(msgspec.Struct, frozen=True):
+    """The dynamic attempts of one outcome in DART: how many, and how fast each engine executes these very attempts."""
+
+    dynamic: int
     dynamic_attempts_per_second_per_core: float | None
     mujoco_dynamic_attempts_per_second_per_core: float | None
 
@@ -86,9 +113,10 @@ class TrialSpeed(msgspec.Struct, frozen=True):
         mujoco_ratio: how many times faster MuJoCo is.
         mujoco_agreement: share of the dynamic attempts that both call a success or not alike, noise included.
         outcomes: outcome → attempts.
-        dynamic_ms: outcome → processor time of a dynamic attempt in DART, mean.
-        two_process_speedup: wall time of one process over that of two on the same trials, median of the rounds; None if
-            not measured.
+        dynamic_ms: outcome → processor time of a dynamic attempt in DART that ended so, ms, mean.
+        by_outcome: outcome in DART → the rates of its dynamic attempts in both engines.
+        two_process_speedup: how many times as many trials two processes get through in a second of work as one, median
+            of the rounds, see `two_process_speedups`; None if not measured.
         two_process_rounds: of each round.
         attempts: all.
         dynamic_attempts: that took dynamics.
@@ -103,6 +131,7 @@ class TrialSpeed(msgspec.Struct, frozen=True):
     mujoco_agreement: float
     outcomes: dict[str, int]
     dynamic_ms: dict[str, float]
+    by_outcome: dict[str, OutcomeRow]
     two_process_speedup: float | None
     two_process_rounds: tuple[float, ...]
     attempts: int
@@ -160,28 +189,20 @@ def time_both(work: Work) -> Timed:
         Execution(World(assets, work.physics, work.gripper, poses=poses), poses),
         Execution(MujocoEngine(assets, work.physics, work.gripper), poses),
     ]
-    spent = [0.0, 0.0]
-    by_outcome: dict[str, list[float]] = {}
+    by_outcome: dict[str, Spent] = {}
     same = 0
     for number, attempt in enumerate(dynamic):
         way = trial.free_way(attempt.executed)
-        verdicts = []
+        outcomes, spent = [Outcome.UNSTABLE] * 2, [0.0, 0.0]
         for index in (0, 1) if number % 2 else (1, 0):
             begun = time.process_time()
-            outcome, _, _ = runs[index].run(attempt.executed, way, whole=False, recorder=None)
-            took = time.process_time() - begun
-            spent[index] += took
-            verdicts.append(outcome is Outcome.SUCCESS)
-            if index == 0:
-                by_outcome.setdefault(str(outcome), []).append(took * 1000)
-        same += verdicts[0] == verdicts[1]
-    return msgspec.structs.replace(
-        timed,
-        dynamic_seconds=spent[0],
-        by_outcome={name: round(float(np.mean(values)), 3) for name, values in by_outcome.items()},
-        mujoco_seconds=spent[1],
-        agreement=same / len(dynamic) if dynamic else None,
-    )
+            outcomes[index], _, _ = runs[index].run(attempt.executed, way, whole=False, recorder=None)
+            spent[index] = time.process_time() - begun
+        ended = str(outcomes[0])
+        by_outcome[ended] = by_outcome.get(ended, Spent()) + Spent(1, *spent)
+        same += (outcomes[0] is Outcome.SUCCESS) == (outcomes[1] is Outcome.SUCCESS)
+    agreement = same / len(dynamic) if dynamic else None
+    return msgspec.structs.replace(timed, by_outcome=by_outcome, agreement=agreement)
 
 
 def _time_piece(work: Work) -> Timed:
@@ -189,18 +210,21 @@ def _time_piece(work: Work) -> Timed:
 
 
 def two_process_speedups(works: Sequence[Work]) -> list[float]:
-    """Wall time of one process over that of two on the same trials, loading not counted, of each round.
+    """Throughput of two processes over that of one on the same trials, of each round.
 
+    The wall time that a process spends in trials is summed over the pieces of work; the ratio is that sum in one
+    process over half that in two. It says what two processes cost each other, through shared caches, memory and power.
+    Loading objects, handing out work and waiting for the last piece do not count: a whole run gains a little less.
     Each round takes other pieces of the works, and begins with the one or with the two by turns.
     """
     speedups = []
     for number in range(_ROUNDS):
         pieces = [msgspec.structs.replace(work, piece=number, pieces=_ROUNDS) for work in works]
-        walls = {}
+        busy = {}
         for workers in (1, 2) if number % 2 else (2, 1):
             timed = [result for _, result in map_scenes(_time_piece, pieces, Executor(workers=workers))]
-            walls[workers] = sum(each.ended - each.started for each in timed) / workers
-        speedups.append(walls[1] / walls[2])
+            busy[workers] = sum(each.ended - each.started for each in timed) / workers
+        speedups.append(busy[1] / busy[2])
     return speedups
 
 
@@ -224,7 +248,7 @@ def run_trials(
         share: of the paper's 726 grasps, drawn at random.
         attempts: a grasp.
         seed: of everything random.
-        two: also compare one process with two.
+        two: also compare the throughput of two processes with that of one.
         progress: is told the name of each object as it begins.
 
     Raises:
@@ -246,19 +270,24 @@ def summarise(timed: Sequence[Timed], speedups: Sequence[float]) -> TrialSpeed:
     """Pool the objects, and the rounds with two processes."""
     outcomes = sum((Counter(each.outcomes) for each in timed), Counter())
     count, dynamic = sum(outcomes.values()), sum(each.dynamic for each in timed)
-    dart = sum(each.dynamic_seconds for each in timed)
-    mujoco = sum(each.mujoco_seconds for each in timed)
+    by_outcome: dict[str, Spent] = {}
+    for name, spent in (item for each in timed for item in each.by_outcome.items()):
+        by_outcome[name] = by_outcome.get(name, Spent()) + spent
+    executed = sum(by_outcome.values(), Spent())
     redraws = sum(each.redraws for each in timed)
     same = sum((each.agreement or 0.0) * each.dynamic for each in timed)
-    names = sorted({name for each in timed for name in each.by_outcome})
     return TrialSpeed(
         attempts_per_second_per_core=_rate(count, sum(each.seconds for each in timed)) or 0.0,
-        dynamic_attempts_per_second_per_core=_rate(dynamic, dart) or 0.0,
-        mujoco_dynamic_attempts_per_second_per_core=_rate(dynamic, mujoco) or 0.0,
-        mujoco_ratio=round(dart / mujoco, 3) if mujoco else 0.0,
+        dynamic_attempts_per_second_per_core=_rate(dynamic, executed.dart) or 0.0,
+        mujoco_dynamic_attempts_per_second_per_core=_rate(dynamic, executed.mujoco) or 0.0,
+        mujoco_ratio=round(executed.dart / executed.mujoco, 3) if executed.mujoco else 0.0,
         mujoco_agreement=round(same / dynamic, 4) if dynamic else 0.0,
         outcomes=dict(outcomes),
-        dynamic_ms={name: round(_mean(name, timed), 3) for name in names},
+        dynamic_ms={name: round(spent.dart / spent.count * 1000, 3) for name, spent in sorted(by_outcome.items())},
+        by_outcome={
+            name: OutcomeRow(spent.count, _rate(spent.count, spent.dart), _rate(spent.count, spent.mujoco))
+            for name, spent in sorted(by_outcome.items())
+        },
         two_process_speedup=round(float(np.median(speedups)), 3) if speedups else None,
         two_process_rounds=tuple(round(speedup, 3) for speedup in speedups),
         attempts=count,
@@ -272,14 +301,7 @@ def _rate(count: int, seconds: float) -> float | None:
     return round(count / seconds, 2) if seconds > 0 else None
 
 
-def _mean(name: str, timed: Sequence[Timed]) -> float:
-    weighted = [(each.by_outcome[name], each.outcomes.get(name, 1)) for each in timed if name in each.by_outcome]
-    return float(np.average([ms for ms, _ in weighted], weights=[count for _, count in weighted]))
-
-
 def _row(each: Timed) -> ObjectRow:
-    count = sum(each.outcomes.values())
+    count, executed = sum(each.outcomes.values()), each.executed
     rate = partial(_rate, each.dynamic)
-    return ObjectRow(
-        count, each.dynamic, _rate(count, each.seconds) or 0.0, rate(each.dynamic_seconds), rate(each.mujoco_seconds)
-    )
+    return ObjectRow(count, each.dynamic, _rate(count, each.seconds) or 0.0, rate(executed.dart), rate(executed.mujoco))

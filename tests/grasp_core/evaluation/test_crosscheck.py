@@ -7,8 +7,9 @@ import pytest
 from grasp_core.cli import main
 from grasp_core.errors import GraspError
 from grasp_core.evaluation import crosscheck
-from grasp_core.evaluation.crosscheck import Line, Plan, run_crosscheck
+from grasp_core.evaluation.crosscheck import run_crosscheck
 from grasp_core.evaluation.suites import object_plans
+from grasp_core.evaluation.verdicts import Line, make_plan
 from grasp_core.gripper import load_gripper
 from grasp_core.parallel import Executor
 from grasp_core.simulation.physics import load_physics
@@ -17,10 +18,15 @@ SOURCES = [plan for plan in object_plans("trials", "keep", 0) if plan.name == "b
 HERE = Executor(workers=0)
 
 
+def planned(*engines):
+    numbers = {"grasps": 6, "poses": 2, "noisy": 2, "attempts": 2, "seed": 0}
+    return make_plan(SOURCES, engines, load_gripper(), load_physics(), **numbers)
+
+
 @pytest.fixture
 def plan():
     pytest.importorskip("mujoco")
-    return Plan(("box_900",), ("half", "mujoco"), 6, 2, 2, 2, 0, load_physics().digest, load_gripper().digest)
+    return planned("half", "mujoco")
 
 
 def run(plan, out, **rest):
@@ -36,7 +42,12 @@ def test_report_covers_engines_objects_and_qualities(plan, tmp_path):
         assert comparison.objects["box_900"].count == 6
         assert 0 <= comparison.all.agreement <= 1
     assert result.qualities == 2
-    assert -1 <= result.quality_correlation <= 1
+    assert result.quality_correlation is None or -1 <= result.quality_correlation <= 1
+    assert set(result.goals) == {"half", "mujoco", "correlation", "unstable"}
+    assert result.unstable["dart"].executions == 6 + 2 * 2
+    assert result.unstable["half"].executions == 6
+    assert result.goals["unstable"].met
+    assert result.goals["half"].low < result.goals["half"].figure <= result.goals["half"].high
     assert seen[0][0] == 0
     assert seen[-1][0] == seen[-1][1]
 
@@ -57,38 +68,75 @@ def test_a_killed_run_goes_on_where_it_was(plan, tmp_path, monkeypatch):
     assert calls == []
 
 
-def test_another_plan_is_refused(plan, tmp_path):
-    (tmp_path / "verdicts.jsonl").write_bytes(msgspec.json.encode(msgspec.structs.replace(plan, seed=1)) + b"\n")
-    with pytest.raises(GraspError, match="belongs to another comparison"):
-        run(plan, tmp_path)
-    (tmp_path / "verdicts.jsonl").write_text("not a log\n")
-    with pytest.raises(GraspError, match="belongs to another comparison"):
-        run(plan, tmp_path)
+def judged_as(monkeypatch, dart, other, qualities=None):
+    """Verdicts by hand: on the first pose, of six grasps; qualities by engine."""
 
-
-def test_each_class_of_disagreement_has_a_picture(plan, tmp_path, monkeypatch):
     def judged(work):
-        if work.noisy or work.pose:
-            return Line(work.source.name, work.pose, work.engine, work.start)
-        ends = ("SUCCESS", "SUCCESS", "SLIPPED") if work.engine == "dart" else ("SUCCESS", "SLIPPED", "SUCCESS")
-        return Line(work.source.name, work.pose, work.engine, work.start, outcomes=ends)
+        line = Line(*work.key)
+        if work.pose:
+            return line
+        if work.noisy:
+            return msgspec.structs.replace(line, qualities=qualities[work.engine], diverged=1)
+        return msgspec.structs.replace(line, outcomes=dart if work.engine == "dart" else other)
 
     monkeypatch.setattr(crosscheck, "judge", judged)
-    result = run(msgspec.structs.replace(plan, engines=("half",)), tmp_path)
+
+
+def test_each_class_of_disagreement_has_a_picture(tmp_path, monkeypatch):
+    judged_as(monkeypatch, ("SUCCESS", "SUCCESS", "SLIPPED"), ("SUCCESS", "SLIPPED", "MISSED"))
+    result = run(planned("half"), tmp_path)
     comparison = result.engines["half"]
-    assert comparison.all.agreement == pytest.approx(1 / 3, abs=1e-4)
-    assert comparison.all.confusion == {"SLIPPED→SUCCESS": 1, "SUCCESS→SLIPPED": 1, "SUCCESS→SUCCESS": 1}
-    assert set(comparison.pictures) == {"SLIPPED→SUCCESS", "SUCCESS→SLIPPED"}
+    assert comparison.all.agreement == pytest.approx(2 / 3, abs=1e-4)
+    assert comparison.all.confusion == {"SLIPPED→MISSED": 1, "SUCCESS→SLIPPED": 1, "SUCCESS→SUCCESS": 1}
+    assert set(comparison.pictures) == set(comparison.disagreements) == {"SLIPPED→MISSED", "SUCCESS→SLIPPED"}
     for path in comparison.pictures.values():
         picture = cv2.imread(path)
         assert picture is not None
         assert picture.std() > 10
     assert result.quality_correlation is None
+    assert set(result.goals) == {"half", "unstable"}
+    assert result.goals["half"].met is False
 
 
-def test_unknown_engine_is_refused(plan, tmp_path):
-    with pytest.raises(GraspError, match="'bullet' is no engine"):
-        run(msgspec.structs.replace(plan, engines=("bullet",)), tmp_path)
+def test_diverged_executions_are_no_verdicts(tmp_path, monkeypatch):
+    judged_as(monkeypatch, ("SUCCESS", "UNSTABLE", "SUCCESS", "SLIPPED"), ("SUCCESS", "SUCCESS", "UNSTABLE", "SLIPPED"))
+    result = run(planned("half"), tmp_path)
+    comparison = result.engines["half"]
+    assert comparison.all.count == comparison.objects["box_900"].count == 2
+    assert comparison.all.agreement == 1.0
+    assert comparison.left_out == 0.5
+    assert comparison.pictures == {}
+    assert (result.unstable["dart"].diverged, result.unstable["dart"].executions) == (1, 4)
+    assert result.goals["unstable"].figure == 0.25
+    assert result.goals["unstable"].met is False
+    judged_as(monkeypatch, ("UNSTABLE",), ("SUCCESS",))
+    with pytest.raises(GraspError, match="diverged on every grasp"):
+        run(planned("half"), tmp_path / "other")
+
+
+@pytest.mark.parametrize(
+    ("dart", "mujoco", "figure", "difference"),
+    [
+        ((1.0, 0.5, 0.0, 0.5), (1.0, 0.5, 0.0, 0.5), 1.0, 0.0),
+        ((1.0, 1.0, 1.0, 1.0), (1.0, 0.5, 0.0, 0.5), None, 0.5),
+        ((1.0, 1.0, None, 1.0), (1.0, 1.0, 0.0, 1.0), None, 0.0),
+        ((1.0, 0.5, 0.0, None), (0.0, 0.5, 1.0, 1.0), -1.0, 0.6667),
+    ],
+)
+def test_a_correlation_of_equal_qualities_is_undefined(dart, mujoco, figure, difference, plan, tmp_path, monkeypatch):
+    judged_as(monkeypatch, ("SUCCESS",), ("SUCCESS",), {"dart": dart, "mujoco": mujoco})
+    result = run(plan, tmp_path)
+    assert result.quality_correlation == figure
+    assert result.quality_difference == difference
+    assert result.goals["correlation"].met == (None if figure is None else figure >= 0.95)
+    assert result.unstable["mujoco"].diverged == 1
+    assert b"NaN" not in json.dumps(msgspec.to_builtins(result)).encode()
+
+
+def test_the_interval_of_a_correlation_is_fishers():
+    goal = crosscheck._correlation(0.97, 260)
+    assert (goal.low, goal.high) == (pytest.approx(0.9618, abs=1e-3), pytest.approx(0.9765, abs=1e-3))
+    assert goal.met
 
 
 def test_command_prints_tables_and_json(plan, tmp_path, capsys):

@@ -4,7 +4,7 @@ import pytest
 from grasp_core.errors import GraspError
 from grasp_core.evaluation import trials
 from grasp_core.evaluation.suites import object_plans
-from grasp_core.evaluation.trials import Timed, Work, run_trials, summarise, time_dart, two_process_speedups
+from grasp_core.evaluation.trials import Spent, Timed, Work, run_trials, summarise, time_dart, two_process_speedups
 from grasp_core.gripper import load_gripper
 from grasp_core.simulation.physics import load_physics
 
@@ -38,21 +38,30 @@ def test_both_engines_on_the_same_attempts():
     assert result.dynamic_attempts_per_second_per_core > 0
     assert result.mujoco_dynamic_attempts_per_second_per_core > 0
     assert result.mujoco_agreement > 0.6
+    assert sum(row.dynamic for row in result.by_outcome.values()) == result.dynamic_attempts
     assert result.unstable_share == 0
     assert result.two_process_speedup is None
     assert list(result.objects) == ["box_900"]
 
 
 def test_rates_are_pooled_over_objects():
-    a = Timed("a", {"SUCCESS": 10, "COLLISION": 90}, 1.0, 10, 0.5, {"SUCCESS": 50.0}, 0.25, 1.0)
-    b = Timed("b", {"SUCCESS": 30}, 3.0, 30, 2.5, {"SUCCESS": 100.0}, 0.75, 0.5, redraws=1)
+    a = Timed(
+        "a", {"SUCCESS": 10, "MISSED": 90}, 1.0, 10, {"SUCCESS": Spent(8, 0.4, 0.2), "MISSED": Spent(2, 0.1, 0.05)}, 1.0
+    )
+    b = Timed("b", {"SUCCESS": 30}, 3.0, 30, {"SUCCESS": Spent(30, 2.5, 0.75)}, 0.5, redraws=1)
     pooled = summarise([a, b], [1.7, 2.2, 1.9])
     assert pooled.attempts_per_second_per_core == pytest.approx(130 / 4)
     assert pooled.dynamic_attempts_per_second_per_core == pytest.approx(40 / 3, abs=0.01)
     assert pooled.mujoco_dynamic_attempts_per_second_per_core == pytest.approx(40, abs=0.01)
     assert pooled.mujoco_ratio == pytest.approx(3.0)
     assert pooled.mujoco_agreement == pytest.approx((10 + 15) / 40)
-    assert pooled.dynamic_ms["SUCCESS"] == pytest.approx((50 * 10 + 100 * 30) / 40)
+    assert pooled.dynamic_ms["SUCCESS"] == pytest.approx((400 + 2500) / 38, abs=1e-3)
+    assert pooled.dynamic_ms["MISSED"] == pytest.approx(50), "of the dynamic ones, however many took none"
+    success = pooled.by_outcome["SUCCESS"]
+    assert success.dynamic == 38
+    assert success.dynamic_attempts_per_second_per_core == pytest.approx(38 / 2.9, abs=0.01)
+    assert success.mujoco_dynamic_attempts_per_second_per_core == pytest.approx(38 / 0.95, abs=0.01)
+    assert pooled.by_outcome["MISSED"].mujoco_dynamic_attempts_per_second_per_core == pytest.approx(40)
     assert pooled.unstable_share == pytest.approx(1 / 131, abs=1e-6)
     assert pooled.objects["a"].attempts_per_second_per_core == pytest.approx(100)
     assert pooled.two_process_speedup == pytest.approx(1.9)

@@ -38,6 +38,26 @@ def test_engines_agree_on_a_box(name, scene, grasps, physics, gripper):
     assert found.agreement >= 0.9 if name != "mujoco" else found.agreement >= 0.8
 
 
+@pytest.fixture(scope="module")
+def rims(shapes, physics, gripper):
+    """A mug with walls of 3 mm, grasps on it, and DART's verdicts."""
+    mug = shapes.alone(shapes.mug())
+    chosen = open_grasps(mug, gripper, physics, 12, seed=0)
+    judge = Judge("dart", mug, gripper, physics)
+    return mug, chosen, [judge.verdict(grasp) for grasp in chosen]
+
+
+@pytest.mark.parametrize("name", ["half", "mujoco"])
+def test_engines_agree_on_thin_walls(name, rims, physics, gripper):
+    """Of 60 such grasps half the time step agrees on 60 and MuJoCo on 58; of these few one or two may differ."""
+    if name == "mujoco":
+        pytest.importorskip("mujoco")
+    mug, chosen, verdicts = rims
+    assert {Outcome.SUCCESS, Outcome.MISSED} <= set(verdicts)
+    other = Judge(name, mug, gripper, physics)
+    assert agree(verdicts, [other.verdict(grasp) for grasp in chosen]).agreement >= 0.8
+
+
 def test_judge_uses_the_height_map_first(scene, physics, gripper):
     judge = Judge("dart", scene, gripper, physics)
     assert judge.verdict(Grasp((0.04, 0, 0.03), 0.0, 0.1)) is Outcome.COLLISION
