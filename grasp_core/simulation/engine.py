@@ -90,11 +90,6 @@ class Engine(Protocol):
         ...
 
     @property
-    def fastest(self) -> float:
-        """Speed of the fastest part of a finger along the closing axis, m/s."""
-        ...
-
-    @property
     def diverged(self) -> bool:
         """Whether the solver lost it."""
         ...

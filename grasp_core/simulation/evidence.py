@@ -78,13 +78,14 @@ class Evidence(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         words: the outcome in one sentence.
-        object: index of the object that was grasped or met, None if there was none.
+        object: index of the object that was grasped, touched or met, None if there was none.
         body: part of the gripper that collided, or None.
         place: where the collision was or where the object was lost, world metres, or None.
-        time: of the loss, s after the fingers started to close, or None.
+        time: of the loss, s of dynamics, or None: those begin where a finger may first meet something, and the way to
+            there, which a recording shows, takes its length over the closing speed.
         lift: height reached with the object in the grip, metres.
         travel: way of the left and right finger from the opening w, metres.
-        left: how the left finger held the object when it last held, or None.
+        left: how the left finger held the object when it last held, or touched it where the other one did not; or None.
         right: likewise.
         clearance: lowest point of the object above the table at the end, metres, or None.
         withstood: how far the held object was shaken, if it was.

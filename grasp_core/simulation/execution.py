@@ -112,17 +112,12 @@ class Execution:
         engine.grip(grasp.world_from_gripper, (opened + advance, opened + advance))
         state = _State(grasp.world_from_gripper, start=[item.pose for item in engine.objects])
         unstable = Outcome.UNSTABLE, Evidence(words="the solver diverged"), None
-        if not self._close(state, recorder):
+        if not self._close(recorder):
             return unstable
         left, right = engine.travel
         state.travel = (round(left - opened, 6), round(right - opened, 6))
         if not self._hold(state, patience=_FLICKER):
-            sides = engine.touched()
-            gap = engine.spec.opening - left - right
-            words = "closed on nothing" + ("" if gap < 0.001 else f": the fingers stopped {millimetres(gap)} apart")
-            if sides[0] or sides[1]:
-                words += f"; only the {'left' if sides[0] else 'right'} finger touched the object"
-            return Outcome.MISSED, Evidence(words=words, travel=state.travel), None
+            return Outcome.MISSED, self._missed(state), None
         if not self._lift(state, whole or shake is not None, recorder):
             return unstable
         outcome, evidence, comfort = self._verdict(state, grasp)
@@ -135,7 +130,7 @@ class Execution:
         words = f"{evidence.words}; {withstood_words(withstood)}"
         return outcome, msgspec.structs.replace(evidence, words=words, withstood=withstood), comfort
 
-    def _close(self, state: _State, recorder: Recorder | None) -> bool:
+    def _close(self, recorder: Recorder | None) -> bool:
         """Close until both fingers stand still; False if the solver diverged."""
         engine = self.engine
         calm = 0
@@ -154,6 +149,17 @@ class Execution:
                 break
             before = now
         return True
+
+    def _missed(self, state: _State) -> Evidence:
+        """Evidence of fingers of which at most one touches something."""
+        engine = self.engine
+        sides, contacts = engine.touched(), finger_contacts(engine.touches(), state.frame)
+        gap = engine.spec.opening - sum(engine.travel)
+        words = "closed on nothing" + ("" if gap < 0.001 else f": the fingers stopped {millimetres(gap)} apart")
+        if sides[0] or sides[1]:
+            words += f"; only the {'left' if sides[0] else 'right'} finger touched the object"
+        touched = next((contact.object for contact in contacts if contact), None)
+        return Evidence(words=words, travel=state.travel, object=touched, left=contacts[0], right=contacts[1])
 
     def _hold(self, state: _State, speed: float = 0.0, patience: int = 0) -> bool:
         """Look at the grip; True and noted if both fingers touch an object, at the latest after `patience` steps."""

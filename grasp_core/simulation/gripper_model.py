@@ -146,8 +146,3 @@ class GripperModel:
         """How far each finger has closed from fully open (left, right), m."""
         _, a, b, c, d = self.skeleton.getPositions().tolist()
         return (a + b) / 2, (c + d) / 2
-
-    @property
-    def fastest(self) -> float:
-        """Speed of the fastest pad along its joint, m/s."""
-        return max(map(abs, self.skeleton.getVelocities().tolist()[1:]))

@@ -227,11 +227,6 @@ class MujocoEngine:
         return (a + b) / 2, (c + d) / 2
 
     @property
-    def fastest(self) -> float:
-        """Speed of the fastest pad along its joint, m/s."""
-        return float(np.abs(self._data.qvel[self._lift_dof + 1 : self._lift_dof + 5]).max())
-
-    @property
     def diverged(self) -> bool:
         """Whether the solver lost it."""
         return not float(np.abs(self._data.qvel).max(initial=0.0)) < 500.0

@@ -203,11 +203,6 @@ class World:
         """How far each finger has closed from fully open (left, right), metres."""
         return self._gripper.travel
 
-    @property
-    def fastest(self) -> float:
-        """Speed of the fastest pad along its joint, m/s."""
-        return self._gripper.fastest
-
     def touched(self) -> tuple[bool, bool]:
         """Whether the left and the right finger touch an object: nothing else can touch them."""
         found = self.world.getLastCollisionResult()

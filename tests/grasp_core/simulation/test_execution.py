@@ -48,7 +48,7 @@ class Told:
 
     def rewind(self, poses):
         assert [p.tolist() for p in poses] == [self._start.tolist()]
-        self.time, self.lift, self.rising, self.fastest = 0.0, 0.0, 0.0, 1.0
+        self.time, self.lift, self.rising = 0.0, 0.0, 0.0
 
     def grip(self, world_from_gripper, travel):
         self.frame, self.travel = world_from_gripper, travel
@@ -62,7 +62,6 @@ class Told:
         stop = self.spec.opening / 2 - (HALF if self.fingers else 0.0)
         step = self.spec.speed * span
         travel = tuple(min(stop, way + step) for way in self.travel)
-        self.fastest = 0.0 if travel == self.travel else self.spec.speed
         self.travel = travel
 
     @property
@@ -237,6 +236,10 @@ def test_without_both_fingers_it_is_missed_and_not_lifted(told, fingers, words):
     assert evidence.words == words
     assert engine.lift == 0
     assert evidence.travel[0] == pytest.approx(0.02 if fingers else 0.04)
+    assert [contact is not None for contact in (evidence.left, evidence.right)] == [0 in fingers, 1 in fingers]
+    assert evidence.object == (0 if fingers else None)
+    for contact in filter(None, (evidence.left, evidence.right)):
+        assert contact.force == 20.0 and abs(contact.normal[0]) == 1.0
 
 
 @pytest.mark.parametrize("phase", ["close", "lift"])
@@ -255,7 +258,6 @@ def test_closing_takes_no_longer_than_it_may(told, physics):
             super().advance(steps, speed, acceleration)
             if not speed and not acceleration:
                 self.travel = (self.travel[0] - 0.004 * (self.time % 0.04 > 0.02), self.travel[1])
-                self.fastest = 1.0
 
     box_engine = told()[0]
     engine = Restless(box_engine.asset, box_engine._start, physics, box_engine.spec, fingers=())
