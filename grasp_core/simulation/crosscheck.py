@@ -22,7 +22,7 @@ from grasp_core.simulation.physics import Physics
 from grasp_core.simulation.precheck import Verdict
 from grasp_core.simulation.recorder import Recorder
 from grasp_core.simulation.recording import Recording
-from grasp_core.simulation.trial import GraspNoise, GraspTrial, child_seed
+from grasp_core.simulation.trial import GraspTrial
 from grasp_core.simulation.world import World
 
 _GRID, _ANGLES = 21, 12
@@ -119,12 +119,6 @@ class Judge:
         if verdict is not Verdict.OPEN:
             return Outcome.COLLISION if verdict is Verdict.COLLISION else Outcome.MISSED
         return self._execution.run(grasp, self._trial.free_way(grasp), whole=self._kind.whole, recorder=None)[0]
-
-    def quality(self, grasp: Grasp, attempts: int, seed: int) -> float:
-        """Successes over attempts with the noise of Eq. 4; every engine draws the same."""
-        noise = GraspNoise()
-        drawn = [noise.draw(grasp, np.random.default_rng(child_seed(seed, number))) for number in range(attempts)]
-        return sum(self.verdict(each) is Outcome.SUCCESS for each in drawn) / attempts
 
     def record(self, grasp: Grasp) -> Recording:
         """The grasp executed as it is, the full height, on film."""

@@ -64,12 +64,6 @@ def test_judge_uses_the_height_map_first(scene, physics, gripper):
     assert judge.verdict(Grasp((0, 0.3, 0.03), 0.0, 0.1)) is Outcome.MISSED
 
 
-def test_qualities_share_their_noise(scene, grasps, physics, gripper):
-    judge = Judge("dart", scene, gripper, physics)
-    assert judge.quality(grasps[0], 3, 7) == judge.quality(grasps[0], 3, 7)
-    assert 0 <= judge.quality(grasps[0], 3, 7) <= 1
-
-
 def test_judge_records_the_whole_lift(scene, physics, gripper):
     film = Judge("dart", scene, gripper, physics).record(Grasp((0, 0, 0.03), 0.0, 0.1))
     assert film.outcome == "SUCCESS"
