@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,8 @@ from grasp_core.evaluation.seeds import child_seed, generator
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.objects.asset import ObjectAsset
-from grasp_core.planning.planner import Plan, Planner, make_planner
+from grasp_core.planning.image_planner import ImagePlanner
+from grasp_core.planning.planner import Plan, make_planner
 from grasp_core.scene import Scene
 from grasp_core.sensing.noise import add_noise
 from grasp_core.sensing.renderer import render
@@ -54,7 +56,7 @@ class SceneItem:
 
 
 @lru_cache(maxsize=16)
-def ready_planner(name: str, gripper: Gripper, weights: str) -> Planner:
+def ready_planner(name: str, gripper: Gripper, weights: str) -> ImagePlanner[Any]:
     """A planner by name, made once a process.
 
     Raises:

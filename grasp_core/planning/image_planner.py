@@ -103,6 +103,11 @@ class ImagePlanner(ABC, Generic[S]):
         """The planner; one without networks needs neither weights nor runtime."""
         return cls(gripper, settings)
 
+    @property
+    def identity(self) -> str:
+        """What plans follow from besides image and chance: kind, digest of the settings, name and digest of weights."""
+        return f"{type(self).__name__} {config.digest(self.settings)} {self.weights}".rstrip()
+
     @abstractmethod
     def search(self, view: TableView, stages: Stages, rng: np.random.Generator) -> Found:
         """Look for grasps that the gripper can reach, and score them.
