@@ -19,6 +19,7 @@ from grasp_core.evaluation.oracle import Oracle, Verified
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord, SceneRecord
 from grasp_core.evaluation.scenes import SceneSpec, make_scene, over_the_table, shape_off
 from grasp_core.evaluation.seeds import child_seed, generator
+from grasp_core.evaluation.variety import count_distinct
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.objects.asset import ObjectAsset
@@ -109,6 +110,7 @@ def judge_scene(item: SceneItem) -> Judged | str:
         graspable=item.verified.graspable,
         quality=quality,
         shape_off=round(shape_off(scene, clean.depth), 4),
+        distinct=count_distinct([known.grasp for known in item.verified.grasps]),
     )
     return Judged(record_of_scene, tuple(records))
 

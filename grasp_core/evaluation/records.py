@@ -60,6 +60,7 @@ class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
         quality: of its best grasp, re-tested with fresh seeds; 0 without one.
         shape_off: share of the object's pixels at which its convex parts, which are simulated, stand more than 5 mm off
             its mesh, which is seen: failures of such an object may be its parts' and not the planner's.
+        distinct: how many of the oracle's grasps are distinct; None in logs from before they were counted.
     """
 
     spec: SceneSpec
@@ -69,6 +70,7 @@ class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
     graspable: bool
     quality: float
     shape_off: float
+    distinct: int | None = None
 
 
 class CandidateRecord(msgspec.Struct, frozen=True):

@@ -228,12 +228,18 @@ def _in_sight(
 
 
 def distinct(
-    batch: Batch, order: NDArray[np.intp], least_distance: float, least_angle: float, most: int
+    position: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    order: NDArray[np.intp],
+    least_distance: float,
+    least_angle: float,
+    most: int,
 ) -> NDArray[np.intp]:
     """The first `most` of `order` that are far enough, in p or in φ, from all chosen before.
 
     Args:
-        batch: the candidates.
+        position: p of all, metres (N, 3).
+        angle: of their closing axes, rad (N,).
         order: indices, best first.
         least_distance: metres between two p.
         least_angle: rad between two closing axes.
@@ -244,8 +250,8 @@ def distinct(
     while len(left) and len(chosen) < most:
         best, left = int(left[0]), left[1:]
         chosen.append(best)
-        near = np.linalg.norm(batch.position[left] - batch.position[best], axis=1) < least_distance
-        turned = np.abs((batch.angle[left] - batch.angle[best] + np.pi / 2) % np.pi - np.pi / 2)
+        near = np.linalg.norm(position[left] - position[best], axis=1) < least_distance
+        turned = np.abs((angle[left] - angle[best] + np.pi / 2) % np.pi - np.pi / 2)
         left = left[~(near & (turned < least_angle))]
     return np.array(chosen, np.intp)
 

@@ -167,7 +167,8 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
         batch, scores = search.scored
         order = np.argsort(-scores, kind="stable")
         good = order[scores[order] >= s.threshold]
-        return len(distinct(batch, good, s.least_distance, s.least_angle, s.enough)) >= min(s.enough, s.candidates)
+        found = distinct(batch.position, batch.angle, good, s.least_distance, s.least_angle, s.enough)
+        return len(found) >= min(s.enough, s.candidates)
 
 
 class _Search:

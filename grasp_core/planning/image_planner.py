@@ -139,9 +139,8 @@ class ImagePlanner(ABC, Generic[S]):
             batch, scores = found.batch[order], found.scores[order]
             scored = to_candidates(batch, scores, heats[order], view, self.gripper)
             good = np.flatnonzero(scores >= s.threshold)
-            chosen = tuple(
-                scored[i] for i in distinct(batch, good, s.least_distance, s.least_angle, s.candidates).tolist()
-            )
+            apart = distinct(batch.position, batch.angle, good, s.least_distance, s.least_angle, s.candidates)
+            chosen = tuple(scored[i] for i in apart.tolist())
             reason = None
             if not scored:
                 reason = found.none
