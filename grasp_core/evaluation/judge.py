@@ -96,7 +96,7 @@ def judge_scene(item: SceneItem) -> Judged | str:
             name, planner, round(answer.ms, 3), answer.reason, candidates, answer.plan.weights if answer.plan else ""
         )
         records.append(record)
-        if item.pictures is not None and item.verified.graspable and not _perfect(record):
+        if item.pictures is not None and _failed(record, item.verified.graspable):
             draw_failure(
                 item.pictures / Path(planner).stem / f"{name.replace('/', '_')}.png", image, answer.plan, record
             )
@@ -147,8 +147,11 @@ _WARM: set[str] = set()
 """Planners that have planned once in this process: the first plan loads and compiles, and is not timed."""
 
 
-def _perfect(record: PlanRecord) -> bool:
-    return bool(record.candidates) and record.candidates[0].successes == len(record.candidates[0].outcomes)
+def _failed(record: PlanRecord, graspable: bool) -> bool:
+    """Whether any execution of the best candidate failed, or the plan is empty where there is something to grasp."""
+    if not record.candidates:
+        return graspable
+    return record.candidates[0].successes < len(record.candidates[0].outcomes)
 
 
 def _execute(trials: GraspTrial, grasp: Grasp, score: float, attempts: int, seed: int) -> CandidateRecord:

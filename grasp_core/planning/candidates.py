@@ -168,6 +168,18 @@ def reach_share(batch: Batch, view: TableView, gripper: Gripper, noise: PoseNois
     return free.mean(axis=1, dtype=np.float32)
 
 
+def cleared(
+    scores: NDArray[np.float32], batch: Batch, view: TableView, gripper: Gripper, noise: PoseNoise, threshold: float
+) -> NDArray[np.float32]:
+    """Scores (N,) of reachable grasps: what a network says of them, times the share of poses around that are free.
+
+    What the network alone holds below the threshold stays as it is and is not looked at further.
+    """
+    good, found = scores >= threshold, scores.copy()
+    found[good] *= reach_share(batch[good], view, gripper, noise)
+    return found
+
+
 @lru_cache(maxsize=8)
 def _footprints(gripper: Gripper) -> tuple[tuple[NDArray[np.float32], float], ...]:
     """Points (3, P) under fingers, rod and base, and how far above p they count from, metres.

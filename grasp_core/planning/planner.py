@@ -96,11 +96,13 @@ class Planner(Protocol):
         Args:
             image: of any camera; without a pose the table plane is found first.
             mask: boolean (H, W) of the image; grasps are centred where it is true.
-            budget_ms: the best found within this time is returned; no limit when None.
+            budget_ms: the best found within this time is returned; no limit when None. What cannot be cut short is the
+                making of the canonical view, the quality map, and one chunk of 16 grasps (antipodal: all its pairs).
             rng: all chance comes from it.
 
         Raises:
-            ImageError: the mask does not fit the image.
+            ImageError: no depth image was given, or the mask does not fit it.
+            GraspError: the budget is not above 0.
         """
         ...
 

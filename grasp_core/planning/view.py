@@ -122,6 +122,8 @@ def look(
         rectified = rectified.above(middle)
     places = _places(rectified, mask, settings)
     if not places.any():
+        if mask is not None and not mask.any():
+            return rectified, "the mask is empty: it is false (black) everywhere, so that nothing may be grasped"
         where = "" if mask is None else " under the mask"
         return rectified, (
             f"no object above the table: nothing seen{where} stands more than"
