@@ -85,7 +85,7 @@ def contact_sheet(folder: Path, columns: int = 3, most: int = 30) -> Path | None
     cells = [cv2.copyMakeBorder(p, 2, tall - p.shape[0] + 2, 2, 2, cv2.BORDER_CONSTANT, value=_WHITE) for p in small]
     cells += [np.full_like(cells[0], 255)] * (-len(cells) % columns)
     rows = [np.concatenate(cells[start : start + columns], axis=1) for start in range(0, len(cells), columns)]
-    sheet = np.concatenate(rows, axis=0)
+    sheet = np.concatenate(rows, axis=0).astype(np.uint8)
     if len(files) > most:
         line = f"{most} of {len(files)} pictures; the other {len(files) - most} are in the same folder, {folder.name}"
         sheet = _captioned(sheet, [line])
