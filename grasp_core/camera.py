@@ -20,6 +20,8 @@ from grasp_core.errors import ConfigError, GraspError, ImageError
 
 _FARTHEST = 20.0
 """Metres: a median depth beyond it means that the values are not metres."""
+_LOOKED_AT = 4000
+"""Pixels, about, that tell the median."""
 
 
 def rigid(matrix: ArrayLike, name: str) -> NDArray[np.float64]:
@@ -278,6 +280,13 @@ class DepthImage:
                 f"the depth image has {self.depth.shape[::-1]} pixels (width, height) but its camera"
                 f" {(k.width, k.height)}; give the camera file of this image"
             )
+        stride = max(1, int(np.sqrt(self.depth.size / _LOOKED_AT)))
+        some = self.depth[::stride, ::stride][self.valid[::stride, ::stride]]
+        if len(some) and (median := float(np.median(some))) > _FARTHEST:
+            raise ImageError(
+                f"the median depth is {median:.0f}: these are not metres (millimetres?); convert them, for the command"
+                " line with --depth-scale 0.001"
+            )
 
     @classmethod
     def from_array(cls, depth: ArrayLike, camera: Camera) -> DepthImage:
@@ -299,12 +308,6 @@ class DepthImage:
         valid = np.isfinite(metres) & (metres > 0)
         if not valid.any():
             raise ImageError("the depth image has no valid pixel: every value is NaN, infinite or not above 0")
-        median = float(np.median(metres[valid]))
-        if median > _FARTHEST:
-            raise ImageError(
-                f"the median depth is {median:.0f}: these are not metres (millimetres?); convert them, for the command"
-                " line with --depth-scale 0.001"
-            )
         return cls(np.where(valid, metres, np.float32(0)), camera, valid)
 
     def with_camera(self, camera: Camera) -> DepthImage:

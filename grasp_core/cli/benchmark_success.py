@@ -111,10 +111,20 @@ class BenchmarkSuccess:
         report["refused"] = refused
         lines = [text(summaries), *(f"left out: {name}: {why}" for name, why in refused.items())]
         if out is not None:
-            sheets = [sheet for name in self.planner if (sheet := contact_sheet(out / "failures" / Path(name).stem))]
+            folders = [out / "failures" / Path(name).stem for name in self.planner]
+            sheets = [sheet for folder in folders if (sheet := contact_sheet(folder))]
             report["files"] = {"outcomes": str(out / "outcomes.jsonl"), "failures": [str(sheet) for sheet in sheets]}
-            lines += [f"outcomes: {out / 'outcomes.jsonl'}", *(f"failures: {sheet}" for sheet in sheets)]
+            lines += [
+                f"outcomes: {out / 'outcomes.jsonl'}",
+                *map(_told, sheets),
+            ]
         print_envelope(report, json=self.json, text="\n".join(lines))
+
+
+def _told(sheet: Path) -> str:
+    from grasp_core.evaluation.gallery import failures
+
+    return f"failures: {sheet}; all {len(failures(sheet.parent))} pictures are beside it"
 
 
 class _Progress:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from grasp_core import config
@@ -64,9 +65,8 @@ class Benchmark:
         if self.limit is not None and self.limit < 1:
             raise GraspError(f"--limit must be at least 1, not {self.limit}")
 
-    @property
-    def run(self) -> Run:
-        """What a log of this benchmark begins with."""
+    def run(self, identities: Mapping[str, str]) -> Run:
+        """What a log of this benchmark begins with, for planners with these identities (`ImagePlanner.identity`)."""
         camera = over_the_table(self.camera)
         return Run(
             objects=self.objects,
@@ -78,4 +78,5 @@ class Benchmark:
             gripper=self.gripper.digest,
             camera=config.digest(camera.intrinsics) + "-" + "/".join(f"{x:.6g}" for x in camera.pose[:3].ravel()),
             noise=f"{config.digest(self.image_noise)}-{config.digest(self.grasp_noise)}",
+            planners=dict(identities),
         )

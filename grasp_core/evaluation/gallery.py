@@ -12,6 +12,7 @@ from grasp_core.camera import DepthImage
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord
 from grasp_core.grasp import rectangle_corners, to_image
 from grasp_core.lettering import plain
+from grasp_core.planning.picture import write_picture
 from grasp_core.planning.planner import Plan
 
 Picture = NDArray[np.uint8]
@@ -35,6 +36,9 @@ def draw_failure(path: Path, image: DepthImage, plan: Plan | None, record: PlanR
         image: as planned on.
         plan: of an image-based planner, with its quality map; None for scene planners.
         record: what was executed and how it ended.
+
+    Raises:
+        ImageError: the file cannot be written.
     """
     rows, columns = around_objects(image)
     zoom = max(1, round(_TALL / (rows.stop - rows.start)))
@@ -46,7 +50,7 @@ def draw_failure(path: Path, image: DepthImage, plan: Plan | None, record: PlanR
         panels.append(_fit(heat_picture(plan.quality_map), panels[0].shape[0]))
     picture = _captioned(np.concatenate(panels, axis=1), _lines(record))
     path.parent.mkdir(parents=True, exist_ok=True)
-    cv2.imwrite(str(path), picture)
+    write_picture(path, picture)
 
 
 def around_objects(image: DepthImage) -> tuple[slice, slice]:
@@ -62,9 +66,15 @@ def around_objects(image: DepthImage) -> tuple[slice, slice]:
 
 
 def contact_sheet(folder: Path, columns: int = 3, most: int = 30) -> Path | None:
-    """Join the pictures of a folder into `sheet.png` beside them; None if there are none."""
-    files = sorted(path for path in folder.glob("*.png") if path.name != "sheet.png")[:most]
-    pictures = [read for path in files if (read := cv2.imread(str(path))) is not None]
+    """Join the first pictures of a folder into `sheet.png` beside them; None if there are none.
+
+    Where there are more, the sheet says how many and where they are.
+
+    Raises:
+        ImageError: the sheet cannot be written.
+    """
+    files = failures(folder)
+    pictures = [read for path in files[:most] if (read := cv2.imread(str(path))) is not None]
     if not pictures:
         return None
     width = 480
@@ -75,9 +85,18 @@ def contact_sheet(folder: Path, columns: int = 3, most: int = 30) -> Path | None
     cells = [cv2.copyMakeBorder(p, 2, tall - p.shape[0] + 2, 2, 2, cv2.BORDER_CONSTANT, value=_WHITE) for p in small]
     cells += [np.full_like(cells[0], 255)] * (-len(cells) % columns)
     rows = [np.concatenate(cells[start : start + columns], axis=1) for start in range(0, len(cells), columns)]
+    sheet = np.concatenate(rows, axis=0).astype(np.uint8)
+    if len(files) > most:
+        line = f"{most} of {len(files)} pictures; the other {len(files) - most} are in the same folder, {folder.name}"
+        sheet = _captioned(sheet, [line])
     path = folder / "sheet.png"
-    cv2.imwrite(str(path), np.concatenate(rows, axis=0))
+    write_picture(path, sheet)
     return path
+
+
+def failures(folder: Path) -> list[Path]:
+    """The pictures of a folder without their sheet, by name."""
+    return sorted(path for path in folder.glob("*.png") if path.name != "sheet.png")
 
 
 def depth_picture(image: DepthImage) -> Picture:

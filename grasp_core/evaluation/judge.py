@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,12 @@ from grasp_core.evaluation.oracle import Oracle, Verified
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord, SceneRecord
 from grasp_core.evaluation.scenes import SceneSpec, make_scene, over_the_table, shape_off
 from grasp_core.evaluation.seeds import child_seed, generator
+from grasp_core.evaluation.variety import count_distinct
 from grasp_core.grasp import Grasp
 from grasp_core.gripper import Gripper
 from grasp_core.objects.asset import ObjectAsset
-from grasp_core.planning.planner import Plan, Planner, make_planner
+from grasp_core.planning.image_planner import ImagePlanner
+from grasp_core.planning.planner import Plan, make_planner
 from grasp_core.scene import Scene
 from grasp_core.sensing.noise import add_noise
 from grasp_core.sensing.renderer import render
@@ -54,7 +57,7 @@ class SceneItem:
 
 
 @lru_cache(maxsize=16)
-def ready_planner(name: str, gripper: Gripper, weights: str) -> Planner:
+def ready_planner(name: str, gripper: Gripper, weights: str) -> ImagePlanner[Any]:
     """A planner by name, made once a process.
 
     Raises:
@@ -93,7 +96,7 @@ def judge_scene(item: SceneItem) -> Judged | str:
             name, planner, round(answer.ms, 3), answer.reason, candidates, answer.plan.weights if answer.plan else ""
         )
         records.append(record)
-        if item.pictures is not None and item.verified.graspable and not _perfect(record):
+        if item.pictures is not None and _failed(record, item.verified.graspable):
             draw_failure(
                 item.pictures / Path(planner).stem / f"{name.replace('/', '_')}.png", image, answer.plan, record
             )
@@ -107,6 +110,7 @@ def judge_scene(item: SceneItem) -> Judged | str:
         graspable=item.verified.graspable,
         quality=quality,
         shape_off=round(shape_off(scene, clean.depth), 4),
+        distinct=count_distinct([known.grasp for known in item.verified.grasps]),
     )
     return Judged(record_of_scene, tuple(records))
 
@@ -143,8 +147,11 @@ _WARM: set[str] = set()
 """Planners that have planned once in this process: the first plan loads and compiles, and is not timed."""
 
 
-def _perfect(record: PlanRecord) -> bool:
-    return bool(record.candidates) and record.candidates[0].successes == len(record.candidates[0].outcomes)
+def _failed(record: PlanRecord, graspable: bool) -> bool:
+    """Whether any execution of the best candidate failed, or the plan is empty where there is something to grasp."""
+    if not record.candidates:
+        return graspable
+    return record.candidates[0].successes < len(record.candidates[0].outcomes)
 
 
 def _execute(trials: GraspTrial, grasp: Grasp, score: float, attempts: int, seed: int) -> CandidateRecord:

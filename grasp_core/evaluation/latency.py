@@ -58,6 +58,12 @@ class Latency(msgspec.Struct, frozen=True):
         exhaustive_median_ms: of a plan by exhaustive search with the same network.
         exhaustive_candidates: grasps that it scored, median.
         exhaustive_ratio: how many times longer it takes.
+        pruned_exhaustive_median_ms: of the same search where grasps that the gripper cannot reach are dropped before
+            they are scored, as the cascade drops them.
+        pruned_exhaustive_candidates: grasps that it scored, median.
+        pruned_exhaustive_ratio: how many times longer than the cascade it takes.
+        unpolished: the cascade on the same backend with at most 64 scored candidates in a region: nothing is drawn
+            around the best ones (`polished: 0`).
         first_plan_ms: of a new process of `grasp-core plan`, from its start to its end.
         backends: every backend that is installed.
         images: that were planned on.
@@ -73,6 +79,10 @@ class Latency(msgspec.Struct, frozen=True):
     exhaustive_median_ms: float
     exhaustive_candidates: float
     exhaustive_ratio: float
+    pruned_exhaustive_median_ms: float
+    pruned_exhaustive_candidates: float
+    pruned_exhaustive_ratio: float
+    unpolished: Timing
     first_plan_ms: float
     backends: dict[str, Timing]
     images: int
@@ -170,7 +180,7 @@ def run_latency(
     installed: list[Backend] = ["openvino"] if importlib.util.find_spec("openvino") else []
     installed.append("torch")
     backends: dict[str, Timing] = {}
-    exhaustive = None
+    exhaustive = pruned = unpolished = None
     name = ""
     for backend in installed:
         runtime = load_runtime(weights, backend, precision="auto")
@@ -178,10 +188,14 @@ def run_latency(
         cascade = make_planner("cascade", gripper=gripper, runtime=runtime)
         backends[runtime.backend] = time_planner(cascade, images, repeats, seed)
         if exhaustive is None:
+            fewer = make_planner("cascade", gripper=gripper, runtime=runtime, changes={"polished": 0})
+            unpolished = time_planner(fewer, images, repeats, seed)
             search = make_planner("exhaustive", gripper=gripper, runtime=runtime)
             exhaustive = time_planner(search, images, 1, seed)
+            search = make_planner("exhaustive", gripper=gripper, runtime=runtime, changes={"prune": True})
+            pruned = time_planner(search, images, 1, seed)
             used = f"{runtime.meta.name} {runtime.digest}"
-    assert exhaustive is not None
+    assert exhaustive is not None and pruned is not None and unpolished is not None
     best = backends[name]
     return Latency(
         median_ms=best.median_ms,
@@ -192,6 +206,10 @@ def run_latency(
         exhaustive_median_ms=exhaustive.median_ms,
         exhaustive_candidates=exhaustive.candidates,
         exhaustive_ratio=round(exhaustive.median_ms / best.median_ms, 1),
+        pruned_exhaustive_median_ms=pruned.median_ms,
+        pruned_exhaustive_candidates=pruned.candidates,
+        pruned_exhaustive_ratio=round(pruned.median_ms / best.median_ms, 1),
+        unpolished=unpolished,
         first_plan_ms=time_first_plan(images[0], gripper_name, weights),
         backends=backends,
         images=len(images),

@@ -20,6 +20,8 @@ from grasp_core.grasp import Grasp
 class Run(msgspec.Struct, frozen=True, tag="run", tag_field="kind"):
     """First line of a log: what the run was made with; only an equal run goes on from it.
 
+    Where a run goes on with further planners, another such line names those too.
+
     Attributes:
         objects: the folder or suite as given.
         scale: of the meshes.
@@ -30,6 +32,8 @@ class Run(msgspec.Struct, frozen=True, tag="run", tag_field="kind"):
         gripper: digest.
         camera: digest of camera and pose.
         noise: digest of Eq. 4 and 5.
+        planners: planner → what its plans follow from: kind, digest of its settings, name and digest of its weights;
+            None in logs from before these were kept, which are read but not gone on with.
     """
 
     objects: str
@@ -41,6 +45,7 @@ class Run(msgspec.Struct, frozen=True, tag="run", tag_field="kind"):
     gripper: str
     camera: str
     noise: str
+    planners: dict[str, str] | None = None
 
 
 class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
@@ -55,6 +60,7 @@ class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
         quality: of its best grasp, re-tested with fresh seeds; 0 without one.
         shape_off: share of the object's pixels at which its convex parts, which are simulated, stand more than 5 mm off
             its mesh, which is seen: failures of such an object may be its parts' and not the planner's.
+        distinct: how many of the oracle's grasps are distinct; None in logs from before they were counted.
     """
 
     spec: SceneSpec
@@ -64,6 +70,7 @@ class SceneRecord(msgspec.Struct, frozen=True, tag="scene", tag_field="kind"):
     graspable: bool
     quality: float
     shape_off: float
+    distinct: int | None = None
 
 
 class CandidateRecord(msgspec.Struct, frozen=True):
@@ -125,6 +132,7 @@ class Log:
             GraspError: the file is no log or cannot be written.
         """
         self.path = path
+        self.run = run
         self.scenes: dict[str, SceneRecord] = {}
         self.plans: dict[tuple[str, str], PlanRecord] = {}
         found = list(_read(path)) if path is not None and path.is_file() else []
@@ -142,14 +150,33 @@ class Log:
         first = found[0]
         if not isinstance(first, Run):
             raise GraspError(f"{self.path}: does not begin with the settings of a run; give another folder")
-        different = [name for name in run.__struct_fields__ if getattr(run, name) != getattr(first, name)]
+        known, own = _planners(found), run.planners or {}
+        different = [
+            name for name in run.__struct_fields__ if name != "planners" and getattr(run, name) != getattr(first, name)
+        ]
+        different += [f"{name} ({known[name]})" for name in own if known and known.get(name, own[name]) != own[name]]
         if different:
             raise MismatchError(
-                f"{self.path}: is the log of a run with other {', '.join(different)}; repeat its settings to go on"
-                " with it, or give another folder"
+                f"{self.path}: is the log of a run with other {', '.join(different)}; repeat its settings and weights"
+                " to go on with it, or give another folder"
             )
+        self.run = msgspec.structs.replace(run, planners=None if known is None else known | own)
         for record in found[1:]:
             self._keep(record)
+        if known is not None and not own.keys() <= known.keys():
+            self._append(self.run)
+
+    def check_more(self) -> None:
+        """Refuse to add to a log that does not tell what its planners were.
+
+        Raises:
+            MismatchError: the log is an old one.
+        """
+        if self.run.planners is None:
+            raise MismatchError(
+                f"{self.path}: was written before logs told the settings and weights of their planners, so that it can"
+                " be reported but not gone on with; give another folder"
+            )
 
     def _keep(self, record: Record) -> None:
         if isinstance(record, SceneRecord):
@@ -169,6 +196,12 @@ class Log:
         """Append a record; it is on the disk when the call returns."""
         self._append(record)
         self._keep(record)
+
+
+def _planners(found: list[Record]) -> dict[str, str] | None:
+    """What a log tells of its planners."""
+    told = [record.planners for record in found if isinstance(record, Run) and record.planners is not None]
+    return told[-1] if told else None
 
 
 def _read(path: Path) -> Iterator[Record]:

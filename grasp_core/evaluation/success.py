@@ -14,10 +14,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from grasp_core import config
 from grasp_core.errors import GraspError
 from grasp_core.evaluation.benchmark import ORACLE, Benchmark
 from grasp_core.evaluation.judge import SceneItem, judge_scene, ready_planner
-from grasp_core.evaluation.oracle import Verified, verified_grasps
+from grasp_core.evaluation.oracle import OracleSettings, Verified, verified_grasps
 from grasp_core.evaluation.records import Log
 from grasp_core.evaluation.scenes import SceneSpec, choose_poses
 from grasp_core.evaluation.suites import PlannedObject, object_plans, poses_of
@@ -49,11 +50,9 @@ def run_benchmark(
     Raises:
         GraspError: no objects, an unknown planner, or a folder that cannot be used.
     """
-    for name in benchmark.planners:
-        if name != ORACLE:
-            ready_planner(name, benchmark.gripper, benchmark.weights)
+    run = benchmark.run({name: _identity(benchmark, name) for name in benchmark.planners})
     plans = object_plans(benchmark.objects, benchmark.scale, benchmark.seed)
-    log = Log(benchmark.run, None if out is None else out / "outcomes.jsonl")
+    log = Log(run, None if out is None else out / "outcomes.jsonl")
     made: list[_Made] = []
     refused: dict[str, str] = {}
     while plans and (benchmark.limit is None or len(made) < benchmark.limit):
@@ -62,6 +61,8 @@ def run_benchmark(
         more, unusable = _make_objects(benchmark, plans[:count], executor, tell)
         made, refused, plans = made + more, refused | unusable, plans[count:]
     items = _scene_items(benchmark, made, log, out)
+    if items:
+        log.check_more()
     items = _with_oracle(benchmark, items, executor, tell)
     tell("scenes", 0, len(items))
     for done, (index, judged) in enumerate(map_scenes(judge_scene, items, executor), start=1):
@@ -74,6 +75,13 @@ def run_benchmark(
                 log.add(plan)
         tell("scenes", done, len(items))
     return log, refused
+
+
+def _identity(benchmark: Benchmark, planner: str) -> str:
+    """What a planner's grasps follow from; the planner is ready then."""
+    if planner == ORACLE:
+        return f"Oracle {config.digest(OracleSettings())}"
+    return ready_planner(planner, benchmark.gripper, benchmark.weights).identity
 
 
 @dataclass(frozen=True)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import combinations
 
 import msgspec
 import numpy as np
 
+from grasp_core.evaluation.benchmark import ORACLE
+from grasp_core.evaluation.paired import Paired, compare
 from grasp_core.evaluation.records import Log, PlanRecord, SceneRecord
 from grasp_core.evaluation.report import Rate, pool, table
+from grasp_core.evaluation.variety import FIVE, count_distinct
 from grasp_core.training.metrics import ece
 
 THRESHOLDS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
 """Least scores t at which a planner with networks is looked at again."""
-
-_FIVE = 5
-"""Candidates that a plan should have."""
 
 
 class AtThreshold(msgspec.Struct, frozen=True):
@@ -60,6 +61,10 @@ class PlannerSummary(msgspec.Struct, frozen=True):
         redrawn: executions whose solver diverged, on all scenes; they count as failures.
         weights: name and digest of what was planned with, one unless the weights changed under their name.
         objects: per object, top1 on graspable scenes.
+        oracle_five: graspable scenes in which the oracle knows at least five distinct grasps; of logs that do not tell
+            how many it knows, those where five of the grasps that it returned are distinct.
+        five_where_oracle: of these, the scenes where this planner returned at least five, which are distinct.
+        against: other planner → what this one has over it on the graspable scenes that both planned on.
         shape_off: per object, the share of what is seen where its simulated parts stand off it; see `SceneRecord`.
     """
 
@@ -81,6 +86,9 @@ class PlannerSummary(msgspec.Struct, frozen=True):
     weights: list[str]
     objects: dict[str, Rate]
     shape_off: dict[str, float]
+    oracle_five: int
+    five_where_oracle: int
+    against: dict[str, Paired]
 
 
 def summarise(log: Log, attempts: int) -> dict[str, PlannerSummary]:
@@ -91,15 +99,34 @@ def summarise(log: Log, attempts: int) -> dict[str, PlannerSummary]:
         attempts: executions a candidate, which an empty plan loses.
     """
     names = dict.fromkeys(planner for _, planner in log.plans)
+    plans = {name: {scene: plan for (scene, planner), plan in log.plans.items() if planner == name} for name in names}
+    oracle = plans.get(ORACLE, {})
+    rich = {name for name, scene in log.scenes.items() if _known(scene, oracle.get(name)) >= FIVE}
     return {
         name: _planner(
-            [(log.scenes[scene], plan) for (scene, planner), plan in log.plans.items() if planner == name], attempts
+            [(log.scenes[scene], plan) for scene, plan in own.items()],
+            attempts,
+            rich,
+            {
+                other: compare([(own[s], theirs[s]) for s in own if s in theirs and log.scenes[s].graspable], attempts)
+                for other, theirs in plans.items()
+                if other != name
+            },
         )
-        for name in names
+        for name, own in plans.items()
     }
 
 
-def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> PlannerSummary:
+def _known(scene: SceneRecord, oracle: PlanRecord | None) -> int:
+    """How many distinct grasps the oracle knows, at least."""
+    if scene.distinct is not None:
+        return scene.distinct
+    return count_distinct([candidate.grasp for candidate in oracle.candidates]) if oracle else 0
+
+
+def _planner(
+    pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int, rich: set[str], against: dict[str, Paired]
+) -> PlannerSummary:
     good = [(scene, plan) for scene, plan in pairs if scene.graspable]
     bad = [plan for scene, plan in pairs if not scene.graspable]
     by_object: dict[str, list[PlanRecord]] = {}
@@ -122,7 +149,7 @@ def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> Plan
         ),
         plan_median_ms=round(float(np.median(times)), 3) if times else None,
         candidates_median=float(np.median([len(plan.candidates) for _, plan in good])) if good else None,
-        five_candidates=sum(len(plan.candidates) >= _FIVE for _, plan in good),
+        five_candidates=sum(len(plan.candidates) >= FIVE for _, plan in good),
         calibration_error=_calibration([plan for _, plan in pairs if plan.weights]),
         at_thresholds=_at_thresholds([plan for _, plan in good], bad, attempts),
         outcomes=dict(sorted(outcomes.items())),
@@ -130,6 +157,9 @@ def _planner(pairs: list[tuple[SceneRecord, PlanRecord]], attempts: int) -> Plan
         weights=sorted({plan.weights for _, plan in pairs if plan.weights}),
         objects={name: _top1(plans, attempts) for name, plans in sorted(by_object.items())},
         shape_off={scene.spec.object: scene.shape_off for scene, _ in sorted(good, key=lambda pair: pair[0].spec.name)},
+        oracle_five=sum(scene.spec.name in rich for scene, _ in good),
+        five_where_oracle=sum(scene.spec.name in rich and len(plan.candidates) >= FIVE for scene, plan in good),
+        against=against,
     )
 
 
@@ -195,7 +225,7 @@ def text(summaries: dict[str, PlannerSummary]) -> str:
             s.all.text,
             f"{s.graspable}/{s.scenes}",
             s.empty,
-            f"{s.five_candidates}/{s.graspable}",
+            f"{s.five_where_oracle}/{s.oracle_five}",
             f"{s.abstained_on_ungraspable}/{s.ungraspable}",
             "-" if s.plan_median_ms is None else f"{s.plan_median_ms:.1f}",
         )
@@ -220,7 +250,23 @@ def text(summaries: dict[str, PlannerSummary]) -> str:
     for name, s in summaries.items():
         if s.at_thresholds:
             lines += ["", *_threshold_lines(name, s)]
+    if len(summaries) > 1:
+        lines += ["", *_difference_lines(summaries)]
+    lines += ["", "five: scenes with at least five candidates, of those where the oracle knows five distinct grasps"]
     return "\n".join(lines)
+
+
+def _difference_lines(summaries: dict[str, PlannerSummary]) -> list[str]:
+    """Every pair of planners once, those with networks first."""
+    names = sorted(summaries, key=lambda name: not summaries[name].weights)
+    rows = [
+        (f"{one} - {two}", summaries[one].against[two].top1.text, summaries[one].against[two].all.text)
+        for one, two in combinations(names, 2)
+    ]
+    return [
+        table(("difference", "top-1", "all, where both returned some"), rows),
+        "percentage points on the same graspable scenes, with paired 95 % intervals over scenes",
+    ]
 
 
 def _threshold_lines(name: str, s: PlannerSummary) -> list[str]:

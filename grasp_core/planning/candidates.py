@@ -168,6 +168,18 @@ def reach_share(batch: Batch, view: TableView, gripper: Gripper, noise: PoseNois
     return free.mean(axis=1, dtype=np.float32)
 
 
+def cleared(
+    scores: NDArray[np.float32], batch: Batch, view: TableView, gripper: Gripper, noise: PoseNoise, threshold: float
+) -> NDArray[np.float32]:
+    """Scores (N,) of reachable grasps: what a network says of them, times the share of poses around that are free.
+
+    What the network alone holds below the threshold stays as it is and is not looked at further.
+    """
+    good, found = scores >= threshold, scores.copy()
+    found[good] *= reach_share(batch[good], view, gripper, noise)
+    return found
+
+
 @lru_cache(maxsize=8)
 def _footprints(gripper: Gripper) -> tuple[tuple[NDArray[np.float32], float], ...]:
     """Points (3, P) under fingers, rod and base, and how far above p they count from, metres.
@@ -228,12 +240,18 @@ def _in_sight(
 
 
 def distinct(
-    batch: Batch, order: NDArray[np.intp], least_distance: float, least_angle: float, most: int
+    position: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    order: NDArray[np.intp],
+    least_distance: float,
+    least_angle: float,
+    most: int,
 ) -> NDArray[np.intp]:
     """The first `most` of `order` that are far enough, in p or in φ, from all chosen before.
 
     Args:
-        batch: the candidates.
+        position: p of all, metres (N, 3).
+        angle: of their closing axes, rad (N,).
         order: indices, best first.
         least_distance: metres between two p.
         least_angle: rad between two closing axes.
@@ -244,8 +262,8 @@ def distinct(
     while len(left) and len(chosen) < most:
         best, left = int(left[0]), left[1:]
         chosen.append(best)
-        near = np.linalg.norm(batch.position[left] - batch.position[best], axis=1) < least_distance
-        turned = np.abs((batch.angle[left] - batch.angle[best] + np.pi / 2) % np.pi - np.pi / 2)
+        near = np.linalg.norm(position[left] - position[best], axis=1) < least_distance
+        turned = np.abs((angle[left] - angle[best] + np.pi / 2) % np.pi - np.pi / 2)
         left = left[~(near & (turned < least_angle))]
     return np.array(chosen, np.intp)
 

@@ -25,6 +25,8 @@ from grasp_core.planning.view import TableView
 
 _CHUNK = 16
 """Crops that are scored at once when time is limited."""
+_PAIRS_MS = 20.0
+"""Milliseconds, about, that pairing edges takes; it cannot be cut short."""
 _NEIGHBOURS = 8
 """Grasps drawn around each of the best ones."""
 _TRIES = 3
@@ -129,7 +131,7 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
 
     def _pairs(self, search: _Search, stages: Stages, rng: np.random.Generator) -> Iterator[Batch]:
         """Antipodal pairs of edges anywhere: what is small on something big lies outside of hot regions."""
-        if self.settings.paired and stages.allows(0):
+        if self.settings.paired and stages.allows(_PAIRS_MS):
             found = AntipodalPlanner(self.gripper).search(search.view, stages, rng)
             search.tried += len(found.sampled)
             if len(found.batch):
@@ -167,7 +169,8 @@ class CascadePlanner(NetworkPlanner[CascadeSettings]):
         batch, scores = search.scored
         order = np.argsort(-scores, kind="stable")
         good = order[scores[order] >= s.threshold]
-        return len(distinct(batch, good, s.least_distance, s.least_angle, s.enough)) >= min(s.enough, s.candidates)
+        found = distinct(batch.position, batch.angle, good, s.least_distance, s.least_angle, s.enough)
+        return len(found) >= min(s.enough, s.candidates)
 
 
 class _Search:

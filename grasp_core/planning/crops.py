@@ -57,7 +57,17 @@ def surface_map(depth: NDArray[np.float32]) -> NDArray[np.float32]:
 
     The nearest of the 3×3 medians of 3×3 pixels: a stray pixel does not count, a thin rim is not missed by a pixel.
     """
-    return np.asarray(cv2.erode(cv2.medianBlur(np.ascontiguousarray(depth, np.float32), 3), np.ones((3, 3), np.uint8)))
+    return nearest(without_strays(depth), 3)
+
+
+def without_strays(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """A depth (H, W) without stray pixels: its 3×3 median."""
+    return np.asarray(cv2.medianBlur(np.ascontiguousarray(depth, np.float32), 3))
+
+
+def nearest(depth: NDArray[np.float32], side: int) -> NDArray[np.float32]:
+    """The nearest depth (H, W) in the square of `side` pixels around each pixel."""
+    return np.asarray(cv2.erode(depth, np.ones((side, side), np.uint8)))
 
 
 def sample(values: NDArray, u: ArrayLike, v: ArrayLike) -> NDArray:
@@ -70,13 +80,6 @@ def sample(values: NDArray, u: ArrayLike, v: ArrayLike) -> NDArray:
 def deepen(surface: ArrayLike, camera: Camera, rule: DepthRule = PAPER_RULE) -> NDArray[np.float64]:
     """z-depth (N,) of p for surfaces at the z-depths (N,) of a straight-down camera, metres."""
     return np.minimum(np.asarray(surface, float) + rule.offset, camera.pose[2, 3] - rule.clearance)
-
-
-def grasp_depth_at(
-    depth: NDArray[np.float32], camera: Camera, u: ArrayLike, v: ArrayLike, rule: DepthRule = PAPER_RULE
-) -> NDArray[np.float64]:
-    """z-depth (N,) of p, metres, for grasps at canvas pixels (u, v), each (N,); see `DepthRule`."""
-    return deepen(sample(surface_map(depth), u, v), camera, rule)
 
 
 def grasp_positions(

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from grasp_core import config
 from grasp_core.camera import DepthImage
+from grasp_core.errors import GraspError
 from grasp_core.gripper import Gripper
 from grasp_core.networks.runtime import Runtime, load_runtime
-from grasp_core.planning.candidates import Batch, PoseNoise, distinct, reach_share, to_candidates
+from grasp_core.planning.candidates import Batch, PoseNoise, cleared, distinct, to_candidates
 from grasp_core.planning.crops import crops
 from grasp_core.planning.planner import Plan
 from grasp_core.planning.result import begin, finish
@@ -103,6 +104,11 @@ class ImagePlanner(ABC, Generic[S]):
         """The planner; one without networks needs neither weights nor runtime."""
         return cls(gripper, settings)
 
+    @property
+    def identity(self) -> str:
+        """What plans follow from besides image and chance: kind, digest of the settings, name and digest of weights."""
+        return f"{type(self).__name__} {config.digest(self.settings)} {self.weights}".rstrip()
+
     @abstractmethod
     def search(self, view: TableView, stages: Stages, rng: np.random.Generator) -> Found:
         """Look for grasps that the gripper can reach, and score them.
@@ -122,6 +128,8 @@ class ImagePlanner(ABC, Generic[S]):
         rng: np.random.Generator,
     ) -> Plan:
         """See `Planner`."""
+        if budget_ms is not None and not budget_ms > 0:
+            raise GraspError(f"budget_ms must be above 0 ms, not {budget_ms}; give no budget for no limit")
         s, stages = self.settings, Stages(budget_ms)
         view = begin(image, mask, s.view, stages, self.weights)
         if isinstance(view, Plan):
@@ -134,9 +142,8 @@ class ImagePlanner(ABC, Generic[S]):
             batch, scores = found.batch[order], found.scores[order]
             scored = to_candidates(batch, scores, heats[order], view, self.gripper)
             good = np.flatnonzero(scores >= s.threshold)
-            chosen = tuple(
-                scored[i] for i in distinct(batch, good, s.least_distance, s.least_angle, s.candidates).tolist()
-            )
+            apart = distinct(batch.position, batch.angle, good, s.least_distance, s.least_angle, s.candidates)
+            chosen = tuple(scored[i] for i in apart.tolist())
             reason = None
             if not scored:
                 reason = found.none
@@ -160,7 +167,7 @@ N = TypeVar("N", bound=NetworkSettings)
 
 
 class NetworkPlanner(ImagePlanner[N]):
-    """An image-based planner whose scores are the Refined Network's, times the share of poses around that are free.
+    """An image-based planner whose scores are the Refined Network's, `cleared` of tight places.
 
     The network sees crops of 3 mm pixels and holds tight places too good: of validation candidates that it gave 0.77 on
     average, but of whose surrounding poses less than 0.9 are free, half succeeded.
@@ -197,9 +204,8 @@ class NetworkPlanner(ImagePlanner[N]):
             chunk: grasps that are scored at once.
         """
         scores: list[NDArray[np.float32]] = []
-        took = 0.0
         for start in range(0, len(batch), chunk):
-            if not stages.allows(took):
+            if not stages.allows(stages.step_ms):
                 break
             before = stages.elapsed_ms
             part = batch[start : start + chunk]
@@ -217,8 +223,7 @@ class NetworkPlanner(ImagePlanner[N]):
             with stages.stage("scores"):
                 found = self.runtime.scores(seen)
             with stages.stage("clearance"):
-                good = found >= self.settings.threshold
-                found[good] *= reach_share(part[good], view, self.gripper, self.settings.pose_noise)
-            scores.append(found)
-            took = stages.elapsed_ms - before
+                s = self.settings
+                scores.append(cleared(found, part, view, self.gripper, s.pose_noise, s.threshold))
+            stages.step_ms = max(stages.step_ms, stages.elapsed_ms - before)
         return np.concatenate([*scores, np.zeros(0, np.float32)])

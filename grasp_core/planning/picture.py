@@ -30,15 +30,17 @@ def draw_plan(plan: Plan, image: DepthImage) -> Picture:
     """BGR picture of a plan.
 
     On the left the input's depth, as height above the table where that is known, with faint rectangles for all that was
-    scored and bright ones for the candidates, red (0) over yellow to green (1) by score; the fingers' sides of the best
-    one are thick. On the right the quality map over the canonical depth, with the region and the sampled pixels.
+    scored and brighter ones for the candidates, red (0) over yellow to green (1) by score; the best one lies on top,
+    thick and white, with the fingers' sides in its colour. On the right the quality map over the canonical depth, with
+    the region and the sampled pixels.
     """
     depth = _grey(_nearness(image, plan.camera), image.valid)
     for candidate in reversed(plan.scored[:_SHOWN]):
         _rectangle(depth, candidate, bright=0.5, thickness=1)
-    for rank, candidate in reversed(list(enumerate(plan.candidates))):
-        _rectangle(depth, candidate, bright=1.0, thickness=1 if rank else 3)
+    for candidate in reversed(plan.candidates[1:]):
+        _rectangle(depth, candidate, bright=0.8, thickness=1)
     if plan.candidates:
+        _best(depth, plan.candidates[0])
         best = plan.candidates[0].image
         cv2.circle(depth, (round(best.u), round(best.v)), 3, _WHITE, -1, cv2.LINE_AA)
         text = f"{len(plan.candidates)} grasps, best {plan.candidates[0].score:.3f}, {plan.total_ms:.0f} ms"
@@ -56,8 +58,17 @@ def save_picture(path: str | Path, plan: Plan, image: DepthImage) -> None:
     Raises:
         ImageError: the file cannot be written.
     """
+    write_picture(path, draw_plan(plan, image))
+
+
+def write_picture(path: str | Path, picture: Picture) -> None:
+    """Write a picture to an image file.
+
+    Raises:
+        ImageError: the file cannot be written.
+    """
     try:
-        written = cv2.imwrite(str(path), draw_plan(plan, image))
+        written = cv2.imwrite(str(path), picture)
     except cv2.error:
         written = False
     if not written:
@@ -104,6 +115,14 @@ def _rectangle(picture: Picture, candidate: Candidate, *, bright: float, thickne
     points = corners.tolist()
     for start, end in ((points[1], points[2]), (points[3], points[0])):
         cv2.line(picture, start, end, colour, thickness, cv2.LINE_AA)
+
+
+def _best(picture: Picture, candidate: Candidate) -> None:
+    """The best grasp on top of all others: black around white, with its fingers' sides in the colour of its score."""
+    corners = np.rint(candidate.image.rectangle(_JAW * candidate.image.width)).astype(np.int32).reshape(-1, 1, 2)
+    for colour, thickness in ((_BLACK, 7), (_WHITE, 3)):
+        cv2.polylines(picture, [corners], True, colour, thickness, cv2.LINE_AA)
+    _rectangle(picture, candidate, bright=1.0, thickness=5)
 
 
 def _panel(picture: Picture, text: str, height: int) -> Picture:

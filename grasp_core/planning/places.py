@@ -13,8 +13,9 @@ from grasp_core.errors import ImageError
 from grasp_core.gripper import Gripper
 from grasp_core.networks.runtime import Runtime
 from grasp_core.networks.weights import CropSpec
-from grasp_core.planning.candidates import PoseNoise, make_batch, reach_share, reachable, to_candidates
+from grasp_core.planning.candidates import PoseNoise, cleared, make_batch, reachable, to_candidates
 from grasp_core.planning.crops import crops, grasp_pixels
+from grasp_core.planning.image_planner import NetworkSettings
 from grasp_core.planning.planner import Candidate
 from grasp_core.planning.view import TableView, ViewSettings
 from grasp_core.sensing.rectify import rectify
@@ -60,6 +61,7 @@ def score_place(
     settings: ViewSettings | None = None,
     *,
     noise: PoseNoise | None = None,
+    threshold: float | None = None,
     angles: int = 36,
 ) -> PlaceScores:
     """Score one pixel of the canonical canvas under all angles.
@@ -73,6 +75,7 @@ def score_place(
         gripper: whose grasps they are.
         settings: how deep grasps reach.
         noise: how far the robot strays from the pose that it is told; as planners take it by default when None.
+        threshold: t of the planner, below which it leaves scores as the network gave them; the default one when None.
         angles: evenly spread over half a turn.
 
     Raises:
@@ -95,7 +98,9 @@ def score_place(
         view.depth, view.camera, batch.u, batch.v, batch.angle, batch.depth, runtime.meta.crop, gripper.opening
     )
     scores = runtime.scores(seen)
-    scores[free] *= reach_share(batch[free], view, gripper, noise or PoseNoise())
+    told = NetworkSettings()
+    threshold = told.threshold if threshold is None else threshold
+    scores[free] = cleared(scores[free], batch[free], view, gripper, noise or told.pose_noise, threshold)
     return PlaceScores(
         float(column),
         float(row),

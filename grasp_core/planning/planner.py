@@ -6,10 +6,12 @@ An empty plan is a result, not an exception: it says why it is empty.
 from __future__ import annotations
 
 import importlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,7 @@ from grasp_core.gripper import Gripper, load_gripper
 
 if TYPE_CHECKING:
     from grasp_core.networks.runtime import Runtime
+    from grasp_core.planning.image_planner import ImagePlanner
 
 
 @dataclass(frozen=True)
@@ -93,11 +96,13 @@ class Planner(Protocol):
         Args:
             image: of any camera; without a pose the table plane is found first.
             mask: boolean (H, W) of the image; grasps are centred where it is true.
-            budget_ms: the best found within this time is returned; no limit when None.
+            budget_ms: the best found within this time is returned; no limit when None. What cannot be cut short is the
+                making of the canonical view, the quality map, and one chunk of 16 grasps (antipodal: all its pairs).
             rng: all chance comes from it.
 
         Raises:
-            ImageError: the mask does not fit the image.
+            ImageError: no depth image was given, or the mask does not fit it.
+            GraspError: the budget is not above 0.
         """
         ...
 
@@ -112,13 +117,23 @@ PLANNERS: dict[str, tuple[str, str]] = {
 """Kind of planner → (module, class). Each class has `settings_type` and `make(settings, gripper, ...)`."""
 
 
+def needs_networks(name: str | Path) -> bool:
+    """Whether planners of this name run the networks.
+
+    Raises:
+        ConfigError: no such planner.
+    """
+    return _read(name)[0] in ("cascade", "exhaustive")
+
+
 def make_planner(
     name: str | Path = "cascade",
     *,
     gripper: Gripper | None = None,
     weights: str | Path = "default",
     runtime: Runtime | None = None,
-) -> Planner:
+    changes: Mapping[str, Any] | None = None,
+) -> ImagePlanner[Any]:
     """A planner by name.
 
     Args:
@@ -126,18 +141,28 @@ def make_planner(
         gripper: the shipped one by default.
         weights: shipped name or path; for planners with networks.
         runtime: networks that are loaded already; takes the place of `weights`.
+        changes: name of a setting → its value in place of the file's; those that this kind does not have are left out.
 
     Raises:
-        ConfigError: no such planner, settings or weights.
+        ConfigError: no such planner, settings or weights, or a value that a setting cannot have.
         MismatchError: the weights are for another gripper.
     """
+    kind, values = _read(name)
+    module, class_ = PLANNERS[kind]
+    maker: Any = getattr(importlib.import_module(module), class_)
+    if changes:
+        known = msgspec.structs.fields(maker.settings_type)
+        values.update({field.name: changes[field.name] for field in known if field.name in changes})
+    settings = config.convert(values, maker.settings_type, str(config.locate("planners", name)))
+    planner: ImagePlanner[Any] = maker.make(settings, gripper or load_gripper(), weights=weights, runtime=runtime)
+    return planner
+
+
+def _read(name: str | Path) -> tuple[str, dict[str, Any]]:
+    """Kind and settings of a planner file."""
     path = config.locate("planners", name)
     values = config.read_yaml(path)
     kind = values.pop("planner", None) if isinstance(values, dict) else None
     if kind not in PLANNERS:
         raise ConfigError(f"{path}: planner: must be one of: {', '.join(PLANNERS)}, not {kind!r}")
-    module, class_ = PLANNERS[kind]
-    maker: Any = getattr(importlib.import_module(module), class_)
-    settings = config.convert(values, maker.settings_type, str(path))
-    planner: Planner = maker.make(settings, gripper or load_gripper(), weights=weights, runtime=runtime)
-    return planner
+    return kind, values

@@ -18,8 +18,14 @@ def begin(
     """The view to plan on, or the empty plan that says why there is nothing to plan.
 
     Raises:
-        ImageError: the mask does not fit the image.
+        ImageError: no depth image was given, or the mask does not fit it.
     """
+    if not isinstance(image, DepthImage):
+        raise ImageError(
+            f"a planner takes a DepthImage, not {type(image).__name__}: read one with"
+            " grasp_core.sensing.preprocess.read_depth(file, camera), or make one from an array of metres with"
+            " DepthImage.from_array(array, camera)"
+        )
     if mask is not None and (mask.dtype != np.bool_ or mask.shape != image.depth.shape):
         raise ImageError(
             f"the mask is {mask.dtype} of the shape {mask.shape}; it must be boolean and {image.depth.shape},"

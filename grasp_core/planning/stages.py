@@ -6,16 +6,21 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+_OUTPUT_MS = 1.0
+"""Milliseconds kept back for the last stage, which makes candidates of some hundred scored grasps."""
+
 
 class Stages:
     """Measures stages of work from its making on.
 
     Attributes:
         ms: stage → milliseconds so far; a stage that runs twice adds up.
+        step_ms: the longest step so far of those that are cut to fit into a budget, foreseen for the next one.
     """
 
     def __init__(self, budget_ms: float | None = None) -> None:
         self.ms: dict[str, float] = {}
+        self.step_ms = 0.0
         self._start = time.perf_counter()
         self._budget = budget_ms
 
@@ -39,5 +44,5 @@ class Stages:
         return self._budget is not None
 
     def allows(self, more_ms: float) -> bool:
-        """Whether work of about `more_ms` still fits into the budget."""
-        return self._budget is None or self.elapsed_ms + more_ms <= self._budget
+        """Whether work of about `more_ms` still fits into the budget, and the output after it."""
+        return self._budget is None or self.elapsed_ms + more_ms + _OUTPUT_MS <= self._budget

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from grasp_core import config
 from grasp_core.camera import CANONICAL_HEIGHT, Camera, DepthImage
-from grasp_core.planning.crops import DepthRule
+from grasp_core.planning.crops import DepthRule, nearest, without_strays
 from grasp_core.sensing.rectify import Rectified, rectify
 
 _MARGIN = 96
@@ -34,7 +34,7 @@ _PIECE_AREA = 1500
 """Canvas pixels, 27 cm²."""
 _PIECE_REACH = np.ones((25, 25), np.uint8)
 """Neighbourhood, pixels: 1.6 cm to each side."""
-_SQUARE, _CREST = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
+_SQUARE = np.ones((3, 3), np.uint8)
 
 
 class ViewSettings(config.Settings):
@@ -92,17 +92,17 @@ class TableView:
     @cached_property
     def smooth(self) -> NDArray[np.float32]:
         """The same without stray pixels: its 3×3 median."""
-        return np.asarray(cv2.medianBlur(np.ascontiguousarray(self.depth), 3))
+        return without_strays(self.depth)
 
     @cached_property
     def crests(self) -> NDArray[np.float32]:
         """The nearest depths within 2 pixels (about 3 mm): a thin mast is not missed between points 5 mm apart."""
-        return np.asarray(cv2.erode(self.smooth, _CREST))
+        return nearest(self.smooth, 5)
 
     @cached_property
     def surface(self) -> NDArray[np.float32]:
         """The window's `surface_map`: depths that grasps take theirs from."""
-        return np.asarray(cv2.erode(self.smooth, _SQUARE))
+        return nearest(self.smooth, 3)
 
 
 def look(
@@ -122,6 +122,8 @@ def look(
         rectified = rectified.above(middle)
     places = _places(rectified, mask, settings)
     if not places.any():
+        if mask is not None and not mask.any():
+            return rectified, "the mask is empty: it is false (black) everywhere, so that nothing may be grasped"
         where = "" if mask is None else " under the mask"
         return rectified, (
             f"no object above the table: nothing seen{where} stands more than"

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from grasp_core.camera import CANONICAL_HEIGHT, Camera, CameraIntrinsics, DepthImage, canonical_camera
 from grasp_core.errors import ImageError
 from grasp_core.sensing.lookup import look_up
+from grasp_core.sensing.plausible import check_height, check_table
 from grasp_core.sensing.rays import pixel_rays
 from grasp_core.sensing.table import find_table
 
@@ -227,9 +228,12 @@ def rectify(image: DepthImage) -> Rectified:
     Straight down from 0.70 m with the canonical focal length it changes nothing.
 
     Raises:
-        ImageError: no table was found, the camera does not look down at it, or nothing near it was seen.
+        ImageError: no table was found, the camera does not look down at it, or it is not where it should be: the scale
+            of the depths is wrong, or the pose.
     """
-    camera = image.camera if image.camera.world_from_camera is not None else find_table(image)
+    posed = image.camera.world_from_camera is not None
+    camera = image.camera if posed else find_table(image)
+    check_height(float(camera.pose[2, 3]), posed)
     canvas = _canvas(camera)
     turn, foot = _turn(camera, canvas)
     turned = _turned_heights(image, camera, turn)
@@ -237,6 +241,8 @@ def rectify(image: DepthImage) -> Rectified:
         raise ImageError(
             "the depth image shows nothing near the table under its camera; check world_from_camera in the camera file"
         )
+    if posed:
+        check_table(turned)
     missing = 1 - float(np.count_nonzero(image.valid)) / image.valid.size
     return Rectified(canvas, camera, missing, turn, turned, foot)
 

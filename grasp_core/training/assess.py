@@ -26,6 +26,7 @@ class Assessment:
         labels: (N,).
         objects: (N,) names.
         maps: quality map of each scene, (H, W) each.
+        scenes: object of each scene.
         hits: scene's index → whether its best pixel is near a grasp of quality 1, for scenes that have one.
     """
 
@@ -33,6 +34,7 @@ class Assessment:
     labels: NDArray[np.float32]
     objects: NDArray[np.str_]
     maps: tuple[NDArray[np.float32], ...]
+    scenes: tuple[str, ...]
     hits: dict[int, bool]
 
     @property
@@ -42,12 +44,20 @@ class Assessment:
         return {"grasps": float(len(self.labels)), **classification(self.scores, self.labels), "hit": hit}
 
     def by_object(self) -> dict[str, dict[str, float]]:
-        """Object → its measures; AP and AUC are NaN where all its grasps are of one class."""
+        """Object → its measures; AP and AUC are NaN where all its grasps are of one class.
+
+        `hit` is the share of its scenes where the best pixel is near a grasp of quality 1, NaN where none has one.
+        """
         found = {}
         for name in np.unique(self.objects):
             own = self.objects == name
             positives = float(np.mean(self.labels[own] > 0.5))
-            found[str(name)] = {"positives": positives, **classification(self.scores[own], self.labels[own])}
+            hits = [hit for index, hit in self.hits.items() if self.scenes[index] == name]
+            found[str(name)] = {
+                "positives": positives,
+                **classification(self.scores[own], self.labels[own]),
+                "hit": float(np.mean(hits)) if hits else float("nan"),
+            }
         return found
 
 
@@ -86,5 +96,6 @@ def assess(
         labels=np.concatenate([scene.labels for scene in scenes]),
         objects=np.concatenate([np.full(len(scene.labels), scene.object) for scene in scenes]),
         maps=tuple(maps),
+        scenes=tuple(scene.object for scene in scenes),
         hits=hits,
     )

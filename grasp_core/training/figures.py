@@ -59,7 +59,9 @@ def classifier_figure(path: Path, scores: ArrayLike, labels: ArrayLike) -> None:
 
 
 def objects_figure(path: Path, measures: Mapping[str, Mapping[str, float]]) -> None:
-    """Average precision and calibration error of every object as bars, worst object first, as one PNG.
+    """Average precision, calibration error and the Regression Network's metric by object as bars, as one PNG.
+
+    The object with the lowest average precision comes first.
 
     Args:
         path: of the picture.
@@ -69,18 +71,20 @@ def objects_figure(path: Path, measures: Mapping[str, Mapping[str, float]]) -> N
         ConfigError: matplotlib is missing.
     """
     known = sorted((values["ap"], name) for name, values in measures.items() if math.isfinite(values["ap"]))
-    figure = _figure(2, height=1.2 + 0.17 * max(len(known), 4))
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure = _figure(3, height=1.2 + 0.17 * max(len(known), 4))
+    left, middle, right = figure.subplots(1, 3, sharey=True)
     places, names = range(len(known)), [name for _, name in known]
     left.barh(places, [ap for ap, _ in known], color="tab:blue")
     left.plot([measures[name]["positives"] for name in names], places, "k|", label="share of positives: AP of chance")
-    right.barh(places, [measures[name]["ece"] for name in names], color="tab:orange")
+    middle.barh(places, [measures[name]["ece"] for name in names], color="tab:orange")
+    right.barh(places, [measures[name]["hit"] for name in names], color="tab:green")
     left.set(xlabel="average precision", xlim=(0, 1.02), yticks=list(places))
     left.set_yticklabels(names, fontsize=7)
     left.invert_yaxis()
     left.legend(fontsize=7, loc="lower right")
-    right.set(xlabel="expected calibration error")
-    for axes in (left, right):
+    middle.set(xlabel="expected calibration error")
+    right.set(xlabel="views whose best pixel is near a grasp of quality 1", xlim=(0, 1.02))
+    for axes in (left, middle, right):
         axes.grid(alpha=0.3, axis="x")
     figure.savefig(path, dpi=110)
 

@@ -306,3 +306,11 @@ def test_a_camera_sees_what_lies_wholly_in_its_image():
     middle, right = [0.0, 0.0, 0.0], [0.41, 0.0, 0.0]  # 307 px right of the middle
     assert camera.sees([middle, right], 10) and not camera.sees([middle, right], 15)
     assert not camera.sees([middle, [0.0, 0.0, 0.8]], 0), "above the camera"
+
+
+def test_millimetres_are_refused_however_the_image_is_made():
+    camera = canonical_camera()
+    depth = np.full((300, 300), 700, np.float32)
+    for make in (lambda: DepthImage(depth, camera, depth > 0), lambda: DepthImage.from_array(depth, camera)):
+        with pytest.raises(ImageError, match=r"median depth is 700.*millimetres"):
+            make()

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from grasp_core.planning.candidates import make_batch, reachable
+from grasp_core.planning.candidates import Batch, make_batch, reachable
 from grasp_core.planning.image_planner import Found, NetworkPlanner, NetworkSettings
 from grasp_core.planning.stages import Stages
 from grasp_core.planning.view import TableView
 
 _CHUNK = 256
 """Crops that are scored at once."""
+_SHORT = 32
+"""Grasps of the grid that are looked at in one go when time is limited."""
 
 
 class ExhaustiveSettings(NetworkSettings):
@@ -48,15 +51,31 @@ class ExhaustivePlanner(NetworkPlanner[ExhaustiveSettings]):
             on_grid = (u % s.stride == 0) & (v % s.stride == 0)
             u, v = u[on_grid].astype(float), v[on_grid].astype(float)
             angles = np.arange(s.angles) * np.pi / s.angles - np.pi / 2
-            batch = make_batch(view, np.repeat(u, s.angles), np.repeat(v, s.angles), np.tile(angles, len(u)))
-            free = reachable(batch, view, self.gripper)
-        sampled = np.column_stack([u, v])
-        if not free.any():
-            none = f"fingers or rod would meet what is seen, or what it hides, in all {len(batch)} grasps of the grid"
-            return Found(batch[free], np.zeros(0), none, sampled)
-        if s.prune:
-            batch, free = batch[free], free[free]
-        scores = self.judge(batch, view, stages, _CHUNK)
-        scores[~free[: len(scores)]] = 0
-        none = f"the time was over before any of {len(batch)} grasps was scored"
-        return Found(batch[: len(scores)], scores, none, sampled)
+            sampled = np.column_stack([u, v])
+            u, v, angle = np.repeat(u, s.angles), np.repeat(v, s.angles), np.tile(angles, len(u))
+        part = _SHORT if stages.limited else max(len(u), 1)
+        batches: list[Batch] = []
+        scores: list[NDArray[np.float32]] = []
+        tried = 0
+        for start in range(0, len(u), part):
+            if not stages.allows(stages.step_ms):
+                break
+            before, some = stages.elapsed_ms, slice(start, start + part)
+            with stages.stage("candidates"):
+                batch = make_batch(view, u[some], v[some], angle[some])
+                free = reachable(batch, view, self.gripper)
+            tried += len(batch)
+            if s.prune or not free.any():
+                batch, free = batch[free], free[free]
+            found = self.judge(batch, view, stages, _CHUNK)
+            found[~free[: len(found)]] = 0
+            batches.append(batch[: len(found)])
+            scores.append(found)
+            stages.step_ms = max(stages.step_ms, stages.elapsed_ms - before)
+        none = (
+            f"fingers or rod would meet what is seen, or what it hides, in all {tried} grasps of the grid"
+            if tried == len(u)
+            else f"the time was over before any of {len(u)} grasps was scored"
+        )
+        whole = Batch.join(batches) if batches else make_batch(view, [], [], [])
+        return Found(whole, np.concatenate([*scores, np.zeros(0, np.float32)]), none, sampled)

@@ -70,7 +70,7 @@ def test_words_for_people_and_the_folder_of_the_run(command, capsys, tmp_path):
     assert main([*command, "--planner", "random", "--out", str(out)]) == 2
     assert "--resume" in capsys.readouterr().err
     assert main([*command, "--planner", "random", "oracle", "--out", str(out), "--resume"]) == 0
-    assert len((out / "outcomes.jsonl").read_text().splitlines()) == 4  # run, scene and two plans
+    assert len((out / "outcomes.jsonl").read_text().splitlines()) == 5  # run, scene, plan, the run with both, plan
 
 
 def test_a_log_of_other_settings_is_not_gone_on_with(command, capsys, tmp_path):
@@ -78,6 +78,28 @@ def test_a_log_of_other_settings_is_not_gone_on_with(command, capsys, tmp_path):
     assert main([*command, "--planner", "oracle", "--out", out]) == 0
     assert main([*command, "--planner", "oracle", "--out", out, "--resume", "--seed", "1"]) == 2
     assert "other seed" in capsys.readouterr().err
+
+
+def test_a_planners_file_that_was_changed_is_not_gone_on_with(command, capsys, tmp_path):
+    out, mine = str(tmp_path / "run"), tmp_path / "mine.yaml"
+    mine.write_text("planner: random\n")
+    assert main([*command, "--planner", str(mine), "--out", out]) == 0
+    mine.write_text("planner: random\ndrawn: 17\n")
+    judge.ready_planner.cache_clear()  # as in a new process
+    assert main([*command, "--planner", str(mine), "--out", out, "--resume"]) == 2
+    assert "mine.yaml" in capsys.readouterr().err
+
+
+def test_an_old_log_is_reported_but_not_gone_on_with(command, capsys, tmp_path):
+    out = tmp_path / "run"
+    assert main([*command, "--planner", "random", "--out", str(out)]) == 0
+    lines = [json.loads(line) for line in (out / "outcomes.jsonl").read_text().splitlines()]
+    del lines[0]["planners"]
+    (out / "outcomes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert main([*command, "--planner", "random", "--out", str(out), "--resume"]) == 0
+    assert "MISSED 2" in capsys.readouterr().out
+    assert main([*command, "--planner", "random", "oracle", "--out", str(out), "--resume"]) == 2
+    assert "another folder" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

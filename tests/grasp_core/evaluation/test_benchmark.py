@@ -34,14 +34,18 @@ def test_impossible_settings_are_refused_by_their_option(wrong):
     ],
 )
 def test_what_changes_the_outcomes_is_another_run(change):
-    assert dataclasses.replace(BASE, **change).run != BASE.run
+    assert dataclasses.replace(BASE, **change).run({}) != BASE.run({})
 
 
 @pytest.mark.parametrize("change", [{"poses": 3}, {"draws": 2}, {"limit": 5}, {"planners": ("random", "oracle")}])
 def test_more_scenes_or_planners_go_on_with_the_same_run(change):
-    assert dataclasses.replace(BASE, **change).run == BASE.run
+    assert dataclasses.replace(BASE, **change).run({}) == BASE.run({})
 
 
 def test_a_camera_without_pose_is_the_one_that_looks_straight_down():
     posed = dataclasses.replace(BASE, camera=load_camera("primesense").at(look_down(0.7)))
-    assert posed.run == BASE.run
+    assert posed.run({}) == BASE.run({})
+
+
+def test_planners_of_other_settings_or_weights_are_another_run():
+    assert BASE.run({"cascade": "a"}) == BASE.run({"cascade": "a"}) != BASE.run({"cascade": "b"})

@@ -3,7 +3,15 @@ import numpy as np
 import pytest
 
 from grasp_core.camera import Camera, CameraIntrinsics, DepthImage, look_down
-from grasp_core.evaluation.gallery import around_objects, contact_sheet, depth_picture, draw_failure, heat_picture
+from grasp_core.errors import ImageError
+from grasp_core.evaluation.gallery import (
+    around_objects,
+    contact_sheet,
+    depth_picture,
+    draw_failure,
+    failures,
+    heat_picture,
+)
 from grasp_core.evaluation.records import CandidateRecord, PlanRecord
 from grasp_core.grasp import Grasp
 from grasp_core.planning.planner import Plan
@@ -90,6 +98,21 @@ def test_a_contact_sheet_joins_the_pictures_of_a_folder(tmp_path, count, rows):
     assert first.shape[1] == 3 * 484 and first.shape[0] % rows == 0
     assert contact_sheet(tmp_path) == sheet  # the sheet is no picture of itself
     assert cv2.imread(str(sheet)).shape == first.shape
+
+
+def test_a_sheet_says_how_many_more_pictures_there_are(tmp_path):
+    for number in range(3):
+        draw_failure(tmp_path / f"{number}.png", image(), None, record(("MISSED",)))
+    whole = cv2.imread(str(contact_sheet(tmp_path)))
+    part = cv2.imread(str(contact_sheet(tmp_path, most=2)))
+    assert part.shape[0] == whole.shape[0] + 26  # the line below
+    assert (part[-26:] < 200).any() and [path.name for path in failures(tmp_path)] == ["0.png", "1.png", "2.png"]
+
+
+def test_pictures_that_cannot_be_written_are_not_lost_in_silence(tmp_path):
+    (tmp_path / "0.png").mkdir()
+    with pytest.raises(ImageError, match=r"0\.png: cannot be written"):
+        draw_failure(tmp_path / "0.png", image(), None, record(("MISSED",)))
 
 
 def test_no_failures_make_no_sheet(tmp_path):

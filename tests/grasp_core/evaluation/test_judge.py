@@ -85,10 +85,10 @@ def test_failures_leave_pictures_and_successes_do_not(stubs, tmp_path):
     assert all(cv2.imread(str(path)) is not None for path in tmp_path.rglob("*.png"))
 
 
-def test_failing_on_an_ungraspable_scene_is_no_failure(stubs, tmp_path):
-    judged = judge_scene(item(("bad",), tmp_path, graspable=False))
+def test_on_an_ungraspable_scene_only_an_empty_plan_is_right(stubs, tmp_path):
+    judged = judge_scene(item(("bad", "none"), tmp_path, graspable=False))
     assert not isinstance(judged, str) and not judged.scene.graspable and judged.scene.quality == 0
-    assert not list(tmp_path.rglob("*.png"))
+    assert [path.parent.name for path in tmp_path.rglob("*.png")] == ["bad"]
 
 
 def test_the_same_scene_gives_the_same_outcomes_whatever_else_is_planned(stubs):

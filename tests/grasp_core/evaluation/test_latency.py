@@ -63,6 +63,10 @@ def test_all_backends_the_exhaustive_search_and_the_first_plan_are_timed(weights
     assert (result.median_ms, result.p95_ms) == (best.median_ms, best.p95_ms) and result.stages_ms
     assert 0 < result.candidates <= 5 * (64 + 64) < result.exhaustive_candidates  # regions and pairs, each polished
     assert result.exhaustive_ratio == pytest.approx(result.exhaustive_median_ms / result.median_ms, rel=0.1)
+    assert result.pruned_exhaustive_candidates < result.exhaustive_candidates
+    ratio = result.pruned_exhaustive_median_ms / result.median_ms
+    assert result.pruned_exhaustive_ratio == pytest.approx(ratio, rel=0.1)
+    assert 0 < result.unpolished.candidates < result.candidates
     assert result.first_plan_ms == 123.0 and result.weights.startswith("tiny ")
     assert result.images == 1 and result.repeats == 2
 

@@ -6,7 +6,7 @@ from grasp_core.evaluation.records import CandidateRecord, Log, PlanRecord, Run,
 from grasp_core.evaluation.scenes import SceneSpec
 from grasp_core.grasp import Grasp
 
-RUN = Run("folder", "keep", 0, 2, "default", "p", "g", "c", "n")
+RUN = Run("folder", "keep", 0, 2, "default", "p", "g", "c", "n", {"cascade": "CascadePlanner aa default 11"})
 SPEC = SceneSpec("mug", "abcdef", 0, 0)
 SCENE = SceneRecord(SPEC, "mug", 0.5, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], True, 1.0, 0.0)
 CANDIDATE = CandidateRecord(
@@ -55,6 +55,40 @@ def test_another_run_does_not_go_on_from_it(tmp_path):
     Log(RUN, path)
     with pytest.raises(MismatchError, match=r"other seed, physics"):
         Log(msgspec.structs.replace(RUN, seed=1, physics="q"), path)
+
+
+@pytest.mark.parametrize("told", ["CascadePlanner aa default 22", "CascadePlanner bb default 11"])
+def test_other_weights_of_the_same_name_or_other_settings_do_not_go_on_from_it(tmp_path, told):
+    path = tmp_path / "outcomes.jsonl"
+    Log(RUN, path)
+    before = path.read_bytes()
+    with pytest.raises(MismatchError, match=r"other cascade \(CascadePlanner aa default 11\).*another folder"):
+        Log(msgspec.structs.replace(RUN, planners={"cascade": told, "random": "r"}), path)
+    assert path.read_bytes() == before
+
+
+def test_further_planners_are_held_to_what_the_log_says_of_them(tmp_path):
+    path = tmp_path / "outcomes.jsonl"
+    Log(RUN, path)
+    more = msgspec.structs.replace(RUN, planners={"random": "RandomPlanner cc"})
+    for _ in range(2):
+        assert Log(more, path).run.planners == {**RUN.planners, **more.planners}
+    assert len(path.read_bytes().splitlines()) == 2  # the second run has nothing new to tell
+    with pytest.raises(MismatchError, match="other random"):
+        Log(msgspec.structs.replace(RUN, planners={"random": "RandomPlanner dd"}), path)
+
+
+def test_an_old_log_is_read_but_not_added_to(tmp_path):
+    path = tmp_path / "outcomes.jsonl"
+    log = Log(msgspec.structs.replace(RUN, planners=None), path)
+    log.add(SCENE)
+    log.add(PLAN)
+    before = path.read_bytes()
+    old = Log(RUN, path)
+    assert old.plans and path.read_bytes() == before
+    with pytest.raises(MismatchError, match="another folder"):
+        old.check_more()
+    Log(RUN, tmp_path / "new.jsonl").check_more()
 
 
 @pytest.mark.parametrize("content", [b'{"kind": "plan"}\n', b"no json\n", msgspec.json.encode(SCENE) + b"\n"])

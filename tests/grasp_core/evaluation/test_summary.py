@@ -87,6 +87,41 @@ def test_the_keys_of_the_contract_are_there():
         assert {"successes", "attempts", "rate", "low", "high"} <= set(built["a"][key])
 
 
+def apart(count: int) -> list[CandidateRecord]:
+    return [msgspec.structs.replace(candidate("ss"), grasp=Grasp((0.02 * k, 0, 0.02), 0, 0.1)) for k in range(count)]
+
+
+def test_five_candidates_are_asked_for_where_the_oracle_has_five_distinct_ones():
+    log = log_of(
+        ("mug", True, {"a": apart(5), "oracle": apart(5)}),
+        ("cup", True, {"a": apart(4), "oracle": apart(5)}),
+        ("pen", True, {"a": apart(3), "oracle": [candidate("ss")] * 5}),  # one grasp five times
+        ("box", False, {"a": apart(5), "oracle": []}),
+    )
+    summary = summarise(log, 2)["a"]
+    assert (summary.five_where_oracle, summary.oracle_five, summary.five_candidates) == (1, 2, 1)
+    assert "1/2" in text(summarise(log, 2))
+    pen = next(scene for scene in log.scenes.values() if scene.spec.object == "pen")
+    log.add(msgspec.structs.replace(pen, distinct=8))  # it knows more than it returned
+    assert summarise(log, 2)["a"].oracle_five == 3
+
+
+def test_planners_are_compared_on_the_scenes_that_both_planned_on():
+    log = log_of(
+        ("mug", True, {"a": [candidate("ss")], "b": [candidate("sc")]}),
+        ("cup", True, {"a": [candidate("ss"), candidate("cc")], "b": []}),
+        ("pen", True, {"a": [candidate("cc")]}),
+        ("box", False, {"a": [candidate("cc")], "b": [candidate("ss")]}),
+    )
+    summaries = summarise(log, 2)
+    over = summaries["a"].against["b"]
+    assert over.top1.scenes == 2 and over.top1.difference == pytest.approx(1 - 1 / 4)
+    assert over.all.scenes == 1 and over.all.difference == pytest.approx(0.5)
+    assert summaries["b"].against["a"].top1.difference == -over.top1.difference
+    (line,) = [line for line in text(summaries).splitlines() if line.startswith("a - b")]
+    assert "+75.0 (" in line and "+50.0 (" in line
+
+
 def test_planners_are_counted_apart_in_the_order_of_the_log():
     log = log_of(("mug", True, {"b": [candidate("ss")], "a": [candidate("cc")]}))
     summaries = summarise(log, 2)

@@ -7,9 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
+from grasp_core.camera import canonical_camera
 from grasp_core.errors import ConfigError, ImageError
+from grasp_core.networks.inputs import regression_input
 from grasp_core.networks.runtime import load_runtime
+from grasp_core.objects.asset import ObjectAsset, Part
+from grasp_core.planning.crops import crops as cut
+from grasp_core.planning.crops import deepen, sample, surface_map
+from grasp_core.scene import Scene
+from grasp_core.sensing.renderer import render
 
 Maker = Callable[..., Path]
 needs_openvino = pytest.mark.skipif(importlib.util.find_spec("openvino") is None, reason="OpenVINO is not installed")
@@ -31,6 +39,31 @@ def test_backends_agree(make_weights: Maker) -> None:
         maps = fast.quality_map(heights)
         assert maps.std() > 0.01
         np.testing.assert_allclose(maps, reference.quality_map(heights), atol=0.005)
+
+
+@needs_openvino
+def test_shipped_weights_agree_on_rendered_crops() -> None:
+    camera = canonical_camera()
+    mesh = trimesh.creation.box((0.12, 0.03, 0.05))
+    part = Part(np.array(mesh.vertices), np.array(mesh.faces, np.int32))
+    bar = ObjectAsset("bar", "bar", part.vertices, part.faces, (part,), float(mesh.volume), mesh.moment_inertia)
+    pose = np.eye(4)
+    pose[2, 3] = 0.025
+    depth = render(Scene.single(bar, pose, camera)).depth
+    v, u = (axis.ravel() for axis in np.mgrid[120:181:10, 100:201:10])
+    angles = np.tile(np.arange(6) * np.pi / 6, len(u))
+    u, v = np.repeat(u, 6), np.repeat(v, 6)
+    seen = cut(depth, camera, u, v, angles, deepen(sample(surface_map(depth), u, v), camera))
+    fast, reference, half = (
+        load_runtime("default", backend, threads=1, precision=precision)  # type: ignore[arg-type]
+        for backend, precision in (("openvino", "f32"), ("torch", "f32"), ("openvino", "bf16"))
+    )
+    scores = reference.scores(seen)
+    assert scores.min() < 0.05 and scores.max() > 0.8  # of both kinds
+    assert np.abs(fast.scores(seen) - scores).max() <= 0.005
+    assert np.abs(half.scores(seen) - scores).max() <= 0.03
+    heights = regression_input(depth)[None]
+    np.testing.assert_allclose(fast.quality_map(heights), reference.quality_map(heights), atol=0.005)
 
 
 @needs_openvino

@@ -164,9 +164,9 @@ def test_distinct_candidates_differ_in_place_or_angle():
     x = np.array([0.0, 0.004, 0.004, 0.03, 0.0])
     angle = np.array([0.0, 0.1, 0.8, 0.0, math.pi - 0.05])
     batch = Batch(x, x, angle, x, np.stack([x, x * 0, x * 0], axis=1))
-    assert distinct(batch, np.arange(5), 0.01, 0.26, 9).tolist() == [0, 2, 3]
-    assert distinct(batch, np.array([4, 3, 2, 1, 0]), 0.01, 0.26, 2).tolist() == [4, 3]
-    assert distinct(batch, np.zeros(0, np.intp), 0.01, 0.26, 2).tolist() == []
+    assert distinct(batch.position, batch.angle, np.arange(5), 0.01, 0.26, 9).tolist() == [0, 2, 3]
+    assert distinct(batch.position, batch.angle, np.array([4, 3, 2, 1, 0]), 0.01, 0.26, 2).tolist() == [4, 3]
+    assert distinct(batch.position, batch.angle, np.zeros(0, np.intp), 0.01, 0.26, 2).tolist() == []
 
 
 @settings(max_examples=50, deadline=None)

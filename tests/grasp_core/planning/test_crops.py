@@ -16,9 +16,9 @@ from grasp_core.planning.crops import (
     canvas_yaw,
     crops,
     deepen,
-    grasp_depth_at,
     grasp_pixels,
     grasp_positions,
+    sample,
     surface_map,
 )
 
@@ -110,12 +110,12 @@ def test_turning_the_scene_by_quarter_turns_leaves_crops_alone(angle, u, v, turn
 
 def test_grasp_depth_is_three_centimetres_into_the_surface_and_clear_of_the_table():
     canvas = bar(0.0, height=0.06)
-    depths = grasp_depth_at(canvas, CAMERA, [149, 149, 10], [149, 140, 10])
+    depths = deepen(sample(surface_map(canvas), [149, 149, 10], [149, 140, 10]), CAMERA)
     assert np.allclose(depths, [0.67, 0.67, 0.692])
-    low = grasp_depth_at(bar(0.0, height=0.02), CAMERA, 149, 149)
-    assert low == pytest.approx(0.692)
+    low = sample(surface_map(bar(0.0, height=0.02)), 149, 149)
+    assert deepen(low, CAMERA) == pytest.approx(0.692)
     rule = DepthRule(offset=0.01, clearance=0.002)
-    assert grasp_depth_at(bar(0.0, height=0.02), CAMERA, 149, 149, rule) == pytest.approx(0.69)
+    assert deepen(low, CAMERA, rule) == pytest.approx(0.69)
     assert np.allclose(deepen([0.5, 0.6899], CAMERA), [0.53, 0.692])
 
 
@@ -154,5 +154,5 @@ def test_pixels_and_world_positions_round_trip(yaw, height, grasps):
     u, v, angle = map(np.array, zip(*grasps, strict=True))
     positions = grasp_positions(surface_map(canvas), camera, u, v)
     back = grasp_pixels(canvas, camera, positions, angle + canvas_yaw(camera))
-    depth = grasp_depth_at(canvas, camera, u, v)
+    depth = deepen(sample(surface_map(canvas), u, v), camera)
     assert np.allclose(back, [u, v, angle, depth], atol=1e-4)

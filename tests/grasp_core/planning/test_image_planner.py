@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from grasp_core.errors import MismatchError
+from grasp_core.errors import GraspError, ImageError, MismatchError
 from grasp_core.gripper import load_gripper
 from grasp_core.planning.candidates import Batch, make_batch
 from grasp_core.planning.image_planner import Found, ImagePlanner, NetworkPlanner, NetworkSettings, SearchSettings
@@ -109,3 +109,12 @@ def test_weights_of_another_gripper_are_refused(make_runtime):
 
     with pytest.raises(MismatchError, match="gripper"):
         Judge(make_runtime(msgspec.structs.replace(GRIPPER, force=5.0)), GRIPPER)
+
+
+def test_arrays_and_impossible_budgets_are_refused(image, rng):
+    plan = planner(0.9)
+    with pytest.raises(ImageError, match=r"DepthImage, not ndarray.*read_depth.*from_array"):
+        plan(image.depth, rng=rng)
+    for budget in (0, -5.0, float("nan")):
+        with pytest.raises(GraspError, match="above 0 ms"):
+            plan(image, budget_ms=budget, rng=rng)

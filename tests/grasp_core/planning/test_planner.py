@@ -2,7 +2,7 @@ import pytest
 
 from grasp_core.config import shipped
 from grasp_core.errors import ConfigError, MismatchError
-from grasp_core.planning.planner import PLANNERS, make_planner
+from grasp_core.planning.planner import PLANNERS, make_planner, needs_networks
 
 
 def test_every_planner_is_shipped_and_made_by_name(make_runtime):
@@ -58,3 +58,27 @@ def test_unknown_names_and_other_grippers_are_refused(make_runtime):
     with pytest.raises(MismatchError):
         make_planner("cascade", gripper=other, runtime=make_runtime())
     assert make_planner("random", gripper=other).gripper.opening == 0.09
+
+
+def test_settings_are_changed_and_others_stay(make_runtime):
+    runtime = make_runtime()
+    planner = make_planner("cascade", changes={"threshold": 0.2, "pixels": 7}, runtime=runtime)
+    assert (planner.settings.threshold, planner.settings.pixels, planner.settings.angles) == (0.2, 7, 12)
+    assert planner.runtime is runtime
+
+
+def test_changes_that_a_planner_does_not_know_are_left_out():
+    planner = make_planner("antipodal", changes={"pixels": 7, "candidates": 3})
+    assert planner.settings.candidates == 3
+
+
+@pytest.mark.parametrize("changes", [{"threshold": 2.0}, {"candidates": 0}, {"angles": "many"}])
+def test_impossible_changes_are_refused(make_runtime, changes):
+    with pytest.raises(ConfigError, match=next(iter(changes))):
+        make_planner("cascade", changes=changes, runtime=make_runtime())
+
+
+@pytest.mark.parametrize("name", sorted(shipped("planners")))
+def test_every_shipped_planner_can_be_varied(make_runtime, name):
+    assert make_planner(name, changes={"candidates": 2}, runtime=make_runtime()).settings.candidates == 2
+    assert needs_networks(name) == (name in {"cascade", "exhaustive"})

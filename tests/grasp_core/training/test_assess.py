@@ -34,6 +34,8 @@ def test_every_grasp_is_scored_and_counted_by_object(toys: Toys) -> None:
     assert len(found.maps) == 3
     assert set(found.hits) == {0, 1, 2}
     assert 0 <= found.totals["hit"] <= 1
+    per_object = {name: values["hit"] for name, values in found.by_object().items()}
+    assert per_object == {scene.object: float(found.hits[k]) for k, scene in enumerate(scenes)}
 
 
 def test_repeats_with_its_seed(toys: Toys) -> None:
@@ -48,4 +50,4 @@ def test_scenes_without_a_perfect_grasp_have_no_hit(toys: Toys) -> None:
     scene.labels[:] = 0.0
     found = assess(Tall(), [scene], 0.10)
     assert found.hits == {}
-    assert np.isnan(found.totals["hit"])
+    assert np.isnan(found.totals["hit"]) and np.isnan(found.by_object()[scene.object]["hit"])

@@ -130,10 +130,18 @@ def test_diverged_and_empty_training_say_so(tmp_path: Path) -> None:
         fit(Infinite(), SCHEDULE, tmp_path / "b", about="a", progress=False)
 
 
-def test_device_is_there() -> None:
-    device = pick_device()
-    assert device.type in ("cpu", "cuda")
-    assert half_precision(device) in (True, False)
+@pytest.mark.parametrize(("there", "kind"), [(True, "cuda"), (False, "cpu")])
+def test_cuda_is_taken_where_it_is(monkeypatch: pytest.MonkeyPatch, there: bool, kind: str) -> None:
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: there)
+    assert pick_device().type == kind
+
+
+@pytest.mark.parametrize("native", [True, False])
+def test_half_precision_is_used_where_it_is_native(monkeypatch: pytest.MonkeyPatch, native: bool) -> None:
+    monkeypatch.setattr(torch.cuda, "is_bf16_supported", lambda: native)
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: {"avx512_bf16": native})
+    assert half_precision(torch.device("cuda")) is native
+    assert half_precision(torch.device("cpu")) is native
 
 
 def test_schedule_refuses_nonsense() -> None:

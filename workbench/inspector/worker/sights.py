@@ -14,8 +14,7 @@ from grasp_core.camera import Camera, DepthImage
 from grasp_core.errors import GraspError
 from grasp_core.gripper import Gripper
 from grasp_core.planning.places import PlaceScores, candidate_crops, score_place
-from grasp_core.planning.planner import Plan, Planner
-from grasp_core.planning.variants import make_variant, needs_networks
+from grasp_core.planning.planner import Plan, Planner, make_planner, needs_networks
 from grasp_core.scene import Scene
 from grasp_core.sensing.noise import ImageNoise, add_noise
 from workbench.inspector.orders import OpenedScene, SceneRequest, Sight
@@ -41,7 +40,7 @@ def _planner(name: str, settings: tuple[tuple[str, float], ...], gripper: str, w
     changes = dict(settings)
     if runtime is None:
         del changes["threshold"]  # t is a probability, which their scores are not
-    return make_variant(name, changes, gripper=gripper_of(gripper), weights=weights, runtime=runtime)
+    return make_planner(name, gripper=gripper_of(gripper), weights=weights, runtime=runtime, changes=changes)
 
 
 class _Clock:
