@@ -149,4 +149,4 @@ def ask_place(image: DepthImage, canvas: Camera, setup: Setup, u: float, v: floa
     gripper = gripper_of(setup.gripper)
     runtime = _runtime(setup.weights)
     runtime.meta.check(gripper)
-    return score_place(image, canvas, u, v, runtime, gripper)
+    return score_place(image, canvas, u, v, runtime, gripper, threshold=setup.threshold)
