@@ -80,10 +80,13 @@ def test_millimetres_and_masks(files, capsys):
     cv2.imwrite(str(files / "depth.png"), np.rint(depth * 1000).astype(np.uint16))
     assert plan(files, "--json", "--depth-scale", "0.001", depth="depth.png") == 0
     assert json.loads(capsys.readouterr().out)["grasps"]
-    cv2.imwrite(str(files / "mask.png"), np.zeros((480, 640), np.uint8))
-    assert plan(files, "--json", "--mask", str(files / "mask.png")) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["grasps"] == [] and "under the mask" in found["reason"]
+    mask = np.zeros((480, 640), np.uint8)
+    for words in ("the mask is empty", "under the mask"):
+        cv2.imwrite(str(files / "mask.png"), mask)
+        assert plan(files, "--json", "--mask", str(files / "mask.png")) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["grasps"] == [] and words in found["reason"]
+        mask[:20, :20] = 255  # bare table
 
 
 def test_empty_plans_exit_with_0_and_say_why(files, capsys):

@@ -24,9 +24,14 @@ def test_classifier_figure_is_a_wide_picture(tmp_path: Path) -> None:
 
 def test_objects_stand_in_one_figure_and_those_without_a_positive_are_left_out(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    measures = {f"mug_{k:03d}": {"ap": 0.1 * k, "ece": 0.02, "positives": 0.1} for k in range(9)}
+    hit = float("nan")  # without a grasp of quality 1
+    measures = {f"mug_{k:03d}": {"ap": 0.1 * k, "ece": 0.02, "positives": 0.1, "hit": hit} for k in range(9)}
+    measures["mug_000"]["hit"] = 0.5
     heights = []
-    for name, chosen in (("all", measures), ("none", {"pen_000": {"ap": float("nan"), "ece": 0.0, "positives": 0.0}})):
+    for name, chosen in (
+        ("all", measures),
+        ("none", {"pen_000": {"ap": float("nan"), "ece": 0.0, "positives": 0.0, "hit": hit}}),
+    ):
         objects_figure(tmp_path / f"{name}.png", chosen)
         heights.append(cv2.imread(str(tmp_path / f"{name}.png")).shape[0])
     assert heights[0] > heights[1] > 100
