@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from grasp_core.errors import GraspError
+from grasp_core.evaluation.machine import Watch
 
 FLAGS = (
     "--no-sandbox",
@@ -31,7 +32,6 @@ FLAGS = (
 """Of a Chromium without screen and GPU: WebGL runs in software, so that frames are slower than on a desktop."""
 _START = 120.0
 PLAN = "svg.gw-depth g[data-candidate]"
-_CHANGES = 200
 _DRAG = 6.0
 """Seconds of the drag."""
 _FRAMES = """seconds => new Promise(done => {
@@ -152,11 +152,12 @@ def memory_mb(pid: int) -> float:
     return round(total / 1e6, 1)
 
 
-def run(changes: int = _CHANGES) -> Result:
+def run(changes: int, watch: Watch) -> Result:
     """Measure everything; takes some minutes, most of them for the scene changes.
 
     Args:
         changes: scenes that are opened for the memory.
+        watch: of the machine; it is stopped before browser and workbench end, whose processes nobody waits for.
 
     Raises:
         GraspError: no Chromium, no playwright, or the workbench does not start.
@@ -184,6 +185,7 @@ def run(changes: int = _CHANGES) -> Result:
             ]
             clicks.sort()
             memory = _change(page, process.pid, changes)
+            watch.stop()
         browser.close()
     middle = clicks[len(clicks) // 2] if clicks else float("nan")
     return Result(

@@ -91,7 +91,7 @@ def _measure(chosen: Arguments, debug: bool) -> int:
     try:
         if chosen.changes < 4:
             raise GraspError(f"--changes must be at least 4, not {chosen.changes}")
-        result = run(chosen.changes)
+        result = run(chosen.changes, watch)
     except GraspError as error:
         if debug:
             raise

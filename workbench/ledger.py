@@ -20,6 +20,7 @@ from grasp_core.dataset.rows import AttemptRow, StoredPose
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import MismatchError
 from grasp_core.gripper import Gripper
+from grasp_core.sensing.renderer import Renderer
 from grasp_core.simulation.physics import Physics
 from workbench.inspector.orders import Choice, Judgement, OpenedScene, Try
 from workbench.inspector.setup import DEFAULT
@@ -117,8 +118,7 @@ class Ledger:
             poses = [StoredPose(tuple(p.reshape(-1).tolist()), share) for p, share in opened.rests[0].poses]
             store.add_object(placed.asset, "train", poses)
             name = scene_name(opened)
-            clean = opened.sight.clean
-            assert clean is not None
+            clean = Renderer(opened.scene).render()
             record = SceneRecord(name, placed.asset.name, thing.pose, opened.request.place, opened.scene, clean, (), ())
             store.add_scene(record)
             candidate = opened.candidates(choice.side)[choice.index]

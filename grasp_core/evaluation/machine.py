@@ -55,15 +55,26 @@ class Machine(msgspec.Struct, frozen=True):
 
 
 class Watch:
-    """Watches, from its making on, how much of the machine others use (Linux; elsewhere `others` is None)."""
+    """Watches, from its making until `stop`, how much of the machine others use (Linux; elsewhere `others` is None).
+
+    Work of a process counts as one's own while it lives and once it was waited for. Programs that end their processes
+    without waiting (a browser, for one) have to be watched until just before they end.
+    """
 
     def __init__(self) -> None:
+        self._stopped: tuple[float | None] | None = None
         self._wall = time.perf_counter()
         self._all = _busy_seconds()
         self._own = _own_seconds()
 
+    def stop(self) -> None:
+        """Look at nothing that comes later: what was started is about to end."""
+        self._stopped = (self.others(),)
+
     def others(self) -> float | None:
-        """Cores that other processes kept busy on average since the watch was made."""
+        """Cores that other processes kept busy on average since the watch was made, or until it was stopped."""
+        if self._stopped is not None:
+            return self._stopped[0]
         now, own = _busy_seconds(), _own_seconds()
         wall = time.perf_counter() - self._wall
         if now is None or self._all is None or own is None or self._own is None or wall < 0.05:

@@ -63,7 +63,7 @@ def make_sight(plans=None) -> Sight:
     crops = tuple(None if plan is None else np.zeros((len(plan.candidates), 48, 48), np.float32) for plan in plans)
     failures = tuple("the weights are for another gripper" if plan is None else "" for plan in plans)
     image = make_plan().canvas
-    return Sight(image, image, tuple(plans), failures, crops, 1.4, {"render": 11.0})
+    return Sight(image, tuple(plans), failures, crops, 1.4, {"render": 11.0})
 
 
 def make_opened(candidates: int = 3, reason: str | None = None, quality: bool = True, setup=DEFAULT) -> OpenedScene:

@@ -142,7 +142,7 @@ def test_one_place_is_scored_over_all_angles(browser):
 def test_an_uploaded_image_is_read_by_the_worker(browser):
     session, screen = browser
     content = io.BytesIO()
-    np.save(content, screen.state.scene.sight.clean.depth)
+    np.save(content, screen.state.scene.sight.image.depth)
     session.post(a.ReadPhotosWith("canonical", None, 0.0))
     session.post(a.OpenFile("image", "bad.npy", b"no array"))
     wait(lambda: screen.state.failure is not None, "the refusal")

@@ -9,6 +9,7 @@ import pytest
 from grasp_core.dataset.store import DatasetStore
 from grasp_core.errors import GraspError, MismatchError
 from grasp_core.gripper import load_gripper
+from grasp_core.sensing.renderer import Renderer
 from grasp_core.simulation.physics import load_physics
 from workbench.inspector.orders import Choice, SceneRequest, Thing
 from workbench.inspector.poses import vector
@@ -32,7 +33,7 @@ def test_a_verdict_is_stored_with_scene_grasp_and_attempts(ledger, opened, attem
         stored = store.history(event.grasp)[-1]
         assert stored.kind == "value" and stored.value == 1.0 and stored.person == person()
         assert stored.details["planner"] == "cascade" and stored.details["score"] == pytest.approx(0.6)
-        assert np.abs(store.depth(row.scene).depth - opened.sight.clean.depth).max() < 1e-4
+        assert np.abs(store.depth(row.scene).depth - Renderer(opened.scene).render().depth).max() < 1e-4
         assert store.scene(row.scene).objects[0].asset.name == "box_003"
 
 

@@ -117,7 +117,6 @@ class Sight:
 
     Attributes:
         image: noise included.
-        clean: the exact depth image; None for own images.
         plans: of each planner.
         failures: per planner, why there is no plan of it ("" where there is).
         crops: per planner (N, S, S), what the Refined Network sees of its candidates; None where weights do not fit.
@@ -126,7 +125,6 @@ class Sight:
     """
 
     image: DepthImage
-    clean: DepthImage | None
     plans: tuple[Plan | None, ...]
     failures: tuple[str, ...]
     crops: tuple[NDArray[np.float32] | None, ...]

@@ -47,6 +47,27 @@ def test_work_of_living_children_is_ones_own():
 
 
 @LINUX
+def test_what_ends_after_a_stopped_watch_is_not_taken_for_others(monkeypatch):
+    # A child that ends its own child without waiting for it, as browsers do: that work then belongs to nobody.
+    orphan = "import time\nwhile time.process_time() < 0.5: pass\nprint('x', flush=True)\ntime.sleep(60)"
+    start = f"import os, subprocess, sys\nchild = subprocess.Popen([sys.executable, '-c', {orphan!r}])"
+    parent = f"{start}\ninput()\nchild.kill()\nos._exit(0)"
+    mine = machine_module._own_seconds
+    monkeypatch.setattr(machine_module, "_busy_seconds", lambda: most[0])
+    most = [mine()]
+    stopped, going = Watch(), Watch()
+    child = subprocess.Popen([sys.executable, "-c", parent], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert child.stdout is not None
+    child.stdout.read(1)
+    most[0] = mine()
+    stopped.stop()
+    child.communicate(b"\n")
+    lost, seen = going.others(), stopped.others()
+    assert lost is not None and seen is not None
+    assert seen < 0.05 and lost * going.seconds > 0.4
+
+
+@LINUX
 def test_other_work_makes_the_machine_busy(monkeypatch):
     clock = iter([100.0, 105.0])
     monkeypatch.setattr(machine_module, "_busy_seconds", lambda: next(clock))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import replace
 from functools import lru_cache
@@ -31,7 +32,8 @@ if TYPE_CHECKING:
 def _runtime(weights: str) -> Runtime:
     from grasp_core.networks.runtime import load_runtime
 
-    return load_runtime(weights)
+    # The browser draws meanwhile, and a plan on all cores costs the processor a sixth more.
+    return load_runtime(weights, threads=max(1, (os.cpu_count() or 2) // 2), precision="auto")
 
 
 @lru_cache(maxsize=32)
@@ -65,7 +67,7 @@ def open_scene(request: SceneRequest, setup: Setup, files: Files) -> OpenedScene
     if request.photo is not None:
         image = read_photo(request.photo, files)
         clock.lap("read")
-        sight = _plan(image, None, setup, gripper, clock)
+        sight = _plan(image, setup, gripper, clock)
         return OpenedScene(request, setup, Scene((), image.camera), (), gripper, sight)
     request, scene, rests = make_scene(request, setup, files)
     clock.lap("scene")
@@ -83,7 +85,7 @@ def see(request: SceneRequest, setup: Setup, files: Files) -> Sight:
     if request.photo is not None:
         image = read_photo(request.photo, files)
         clock.lap("read")
-        return _plan(image, None, setup, gripper, clock)
+        return _plan(image, setup, gripper, clock)
     _, scene, _ = make_scene(request, setup, files)
     clock.lap("scene")
     return _see(scene, setup, gripper, clock)
@@ -108,10 +110,10 @@ def _see(scene: Scene, setup: Setup, gripper: Gripper, clock: _Clock) -> Sight:
     noise = ImageNoise(sigma_u=setup.sigma_u, sigma_v=setup.sigma_v, sigma_d=setup.sigma_d)
     image = add_noise(clean, noise, np.random.default_rng(np.random.SeedSequence([setup.seed, 0])))
     clock.lap("render")
-    return _plan(image, clean, setup, gripper, clock)
+    return _plan(image, setup, gripper, clock)
 
 
-def _plan(image: DepthImage, clean: DepthImage | None, setup: Setup, gripper: Gripper, clock: _Clock) -> Sight:
+def _plan(image: DepthImage, setup: Setup, gripper: Gripper, clock: _Clock) -> Sight:
     plans: list[Plan | None] = []
     failures: list[str] = []
     crops: list[NDArray[np.float32] | None] = []
@@ -128,7 +130,7 @@ def _plan(image: DepthImage, clean: DepthImage | None, setup: Setup, gripper: Gr
             failures.append(str(error))
             crops.append(None)
     context = _runtime(setup.weights).meta.crop.context
-    return Sight(image, clean, tuple(plans), tuple(failures), tuple(crops), context, clock.ms)
+    return Sight(image, tuple(plans), tuple(failures), tuple(crops), context, clock.ms)
 
 
 def _crops(plan: Plan, setup: Setup, gripper: Gripper) -> NDArray[np.float32] | None:

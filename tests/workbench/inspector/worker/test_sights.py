@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from grasp_core.errors import GraspError
+from grasp_core.sensing.renderer import Renderer
 from workbench.inspector.orders import Photo, SceneRequest, Thing
 from workbench.inspector.poses import vector
 from workbench.inspector.setup import DEFAULT
@@ -35,7 +36,7 @@ def test_a_moved_object_is_seen_where_it_is(opened):
     pose = opened.scene.objects[0].world_from_object.copy()
     pose[0, 3] += 0.05
     moved = see(CAN.moved(0, Thing("can_000", 0, vector(pose))), opened.setup, {})
-    shift = _middle(moved.clean) - _middle(opened.sight.clean)
+    shift = _middle(moved.image) - _middle(opened.sight.image)
     assert shift[0] == pytest.approx(0.05 * 525 / 0.65, abs=5) and abs(shift[1]) < 2
 
 
@@ -49,7 +50,7 @@ def test_settings_reach_planner_camera_and_noise():
     )
     opened = open_scene(CAN, setup, {})
     assert len(opened.candidates(0)) <= 2 and opened.sight.image.depth.shape == (480, 640)
-    assert np.array_equal(opened.sight.image.depth, opened.sight.clean.depth)
+    assert np.array_equal(opened.sight.image.depth, Renderer(opened.scene).render().depth)
 
 
 def test_weights_of_another_gripper_fail_one_plan_not_the_scene():
@@ -71,10 +72,10 @@ def test_a_place_is_scored_over_all_angles(opened):
 
 def test_an_own_image_is_planned_on(tmp_path, opened):
     path = tmp_path / "aa--can.npy"
-    np.save(path, opened.sight.clean.depth)
+    np.save(path, opened.sight.image.depth)
     photo = Photo("image-a", "canonical")
     own = open_scene(SceneRequest((), 1, photo), DEFAULT, {"image-a": str(path)})
-    assert own.scene.objects == () and own.sight.clean is None
+    assert own.scene.objects == ()
     assert own.sight.plans[0].camera.world_from_camera is not None, "the table plane was found"
     assert own.candidates(0)
 
