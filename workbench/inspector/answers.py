@@ -48,6 +48,14 @@ class OpenFailed(InspectorAction):
 
 
 @dataclass(frozen=True)
+class Expected(InspectorAction):
+    """The candidate's first attempt is recorded, ahead of a click."""
+
+    ticket: int
+    choice: Choice
+
+
+@dataclass(frozen=True)
 class Settled(InspectorAction):
     """They came to rest so."""
 

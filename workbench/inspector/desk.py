@@ -104,9 +104,9 @@ class Desk:
 
     def _try(self, post: Post, effect: Effect) -> bool:
         match effect:
-            case e.ExpectTrial(scene, choice):
+            case e.ExpectTrial(ticket, scene, choice):
                 self._physics.submit(
-                    lambda _: None,
+                    lambda _: post(r.Expected(ticket, choice)),
                     lambda why: log.info("a trial that was expected failed: %s", why),
                     trials.expect_attempt,
                     scene.scene,

@@ -36,8 +36,9 @@ class SeeScene(InspectorEffect):
 
 @dataclass(frozen=True)
 class ExpectTrial(InspectorEffect):
-    """The best candidate of a scene may be clicked next."""
+    """A candidate may be clicked next: record its first attempt ahead of that."""
 
+    ticket: int
     scene: OpenedScene
     choice: Choice
 

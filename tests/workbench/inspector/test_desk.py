@@ -99,9 +99,10 @@ def test_a_page_gets_a_name(desk, physics, opened, attempt):
     assert posted == [r.ReplaySaved("box_003-1-2.html", b"<html>")]
 
 
-def test_expected_trials_answer_nothing(desk, physics, opened):
-    physics.answer = "done"
-    assert desk.perform(print, e.ExpectTrial(opened, FIRST)) and physics.asked[-1][0] == "expect_attempt"
+def test_expected_trials_answer_that_they_are_there(desk, physics, opened):
+    physics.answer, posted = "done", []
+    desk.perform(posted.append, e.ExpectTrial(7, opened, FIRST))
+    assert physics.asked[-1][0] == "expect_attempt" and posted == [r.Expected(7, FIRST)]
 
 
 def test_files_are_kept_or_refused_in_words(desk, tmp_path):

@@ -219,7 +219,7 @@ def _show(state: State, scene: OpenedScene, still: bool = False) -> Result:
     )
     if still or shown.loose or not scene.scene.objects or shown.choice is None:
         return shown, ()
-    return shown, (e.ExpectTrial(scene, shown.choice),)
+    return shown, (e.ExpectTrial(shown.scene_ticket, scene, shown.choice),)
 
 
 def _chosen(state: State, scene: OpenedScene) -> Choice | None:

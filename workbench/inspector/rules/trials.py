@@ -100,6 +100,18 @@ def _next(state: State, *effects: Effect) -> Result:
     return running, (*effects, e.RunTrial(state.scene_ticket, scene, choice))
 
 
+@rule(r.Expected)
+def _expected(action: r.Expected, state: State) -> Result:
+    """One candidate after the other, so that whichever is clicked is replayed at once."""
+    if action.ticket != state.scene_ticket or state.scene is None or state.dragging or state.sweep is not None:
+        return state, ()
+    side = action.choice.side
+    for index in range(action.choice.index + 1, len(state.scene.candidates(side))):
+        if not state.trials.get(Choice(side, index), TrialState()).attempts:
+            return state, (e.ExpectTrial(state.scene_ticket, state.scene, Choice(side, index)),)
+    return state, ()
+
+
 @rule(r.Replayed)
 def _replayed(action: r.Replayed, state: State) -> Result:
     if action.ticket != state.scene_ticket:

@@ -55,14 +55,16 @@ _expected: dict[tuple[str, Grasp, int], Try] = {}
 
 
 def expect_attempt(scene: Scene, setup: Setup, grasp: Grasp) -> None:
-    """Record the first attempt of a grasp that is likely to be asked for next; it loads the scene besides.
+    """Record the first attempt of a grasp that may be asked for next; those of the scene that is loaded are kept.
 
     Raises:
         GraspError: the grasp cannot be executed.
     """
     made = record_attempt(scene, setup, grasp, 0)
-    _expected.clear()
-    _expected[_loaded[0][0], grasp, 0] = made
+    key = _loaded[0][0]
+    if any(known != key for known, *_ in _expected):
+        _expected.clear()
+    _expected[key, grasp, 0] = made
 
 
 def record_attempt(scene: Scene, setup: Setup, grasp: Grasp, number: int) -> Try:

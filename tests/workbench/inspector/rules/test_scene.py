@@ -63,7 +63,7 @@ def test_a_new_scene_lets_go_what_was_known(shown, opened, attempt):
     tried, _ = run(shown, r.Tried(1, shown.choice, (attempt(),)), a.AnotherPose())
     state, effects = run(tried, r.Opened(2, opened))
     assert state.trials == {} and state.playback is None and state.choice == Choice(0, 0)
-    assert effects == [e.ExpectTrial(opened, Choice(0, 0))]
+    assert effects == [e.ExpectTrial(2, opened, Choice(0, 0))]
 
 
 def test_a_link_selects_its_candidate(shown, opened):

@@ -33,6 +33,18 @@ def test_a_click_records_one_attempt_and_runs_the_others(shown):
     assert effects == [e.RecordAttempt(1, shown.scene, SECOND, 0), e.RunTrial(1, shown.scene, SECOND)]
 
 
+def test_candidates_are_recorded_ahead_of_clicks_one_after_the_other(shown, attempt):
+    _, effects = run(shown, r.Expected(1, FIRST))
+    assert effects == [e.ExpectTrial(1, shown.scene, SECOND)]
+    tried, _ = run(shown, r.Tried(1, SECOND, (attempt(),)))
+    assert run(tried, r.Expected(1, FIRST))[1] == [e.ExpectTrial(1, shown.scene, THIRD)], "what was tried is left out"
+    last = Choice(0, len(shown.scene.candidates(0)) - 1)
+    assert run(shown, r.Expected(1, last))[1] == []
+    assert run(shown, r.Expected(0, FIRST))[1] == [], "of another scene"
+    assert run(replace(shown, dragging=True), r.Expected(1, FIRST))[1] == [], "not while the object is dragged"
+    assert run(replace(shown, sweep=Sweep(0, (1, 2), 2)), r.Expected(1, FIRST))[1] == [], "all are tried anyway"
+
+
 def test_the_replay_starts_with_the_recording(shown, attempt):
     state, _ = run(shown, a.Select(FIRST), r.Replayed(1, FIRST, attempt(0)))
     assert state.playback.attempt.number == 0 and state.playback.playing and state.trial.running

@@ -28,6 +28,13 @@ def test_an_expected_attempt_is_there_at_once(opened, monkeypatch):
     trials.expect_attempt(opened.scene, SETUP, grasp)
     expected = trials.record_attempt(opened.scene, SETUP, grasp, 0)
     assert trials.record_attempt(opened.scene, SETUP, grasp, 0) is expected
+    second = opened.candidates(0)[1].grasp
+    trials.expect_attempt(opened.scene, SETUP, second)
+    assert trials.record_attempt(opened.scene, SETUP, grasp, 0) is expected, "those of one scene are kept"
     noiseless = msgspec.structs.replace(SETUP, sigma_p=0.0, sigma_phi=0.0)
     other = trials.record_attempt(opened.scene, noiseless, grasp, 0)
     assert other is not expected and other.executed == grasp, "another noise is another trial"
+    trials.expect_attempt(opened.scene, noiseless, grasp)
+    assert trials.record_attempt(opened.scene, SETUP, second, 0) is not trials.record_attempt(
+        opened.scene, SETUP, second, 0
+    ), "others are let go"
