@@ -1,4 +1,3 @@
-import os
 import subprocess
 import sys
 
@@ -10,13 +9,19 @@ from workbench.cli import main
 
 
 def test_memory_counts_children():
-    alone = benchmark.memory_mb(os.getpid())
-    with subprocess.Popen([sys.executable, "-c", "x = 'x' * 50_000_000; print(1, flush=True); input()"],
-                          stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:  # fmt: skip
-        child.stdout.readline()
-        assert benchmark.memory_mb(os.getpid()) > alone + 45
-        assert benchmark.memory_mb(child.pid) < alone
-        child.stdin.close()
+    large = "x = 'x' * 50_000_000; print(1, flush=True); input()"
+    parent = f"""import subprocess, sys
+print(flush=True); input()
+child = subprocess.Popen([sys.executable, "-c", {large!r}])
+child.wait()"""
+    with subprocess.Popen([sys.executable, "-c", parent], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        process.stdout.readline()
+        alone = benchmark.memory_mb(process.pid)
+        process.stdin.write(b"\n")
+        process.stdin.flush()
+        process.stdout.readline()  # of the child, which has its memory now
+        assert benchmark.memory_mb(process.pid) > alone + 45
+        process.stdin.close()
 
 
 def test_without_chromium_it_says_what_is_missing(monkeypatch, capsys):
