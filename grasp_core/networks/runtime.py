@@ -15,12 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grasp_core.errors import ConfigError, ImageError
-from grasp_core.networks.layout import STRIDE
 from grasp_core.networks.weights import Checkpoint, Weights, load_weights
 
 Array = NDArray[np.float32]
 Backend = Literal["auto", "openvino", "torch"]
 Precision = Literal["auto", "f32", "bf16"]
+
+_SIDES = (180, 240, 300)
+"""Pixels, multiples of `STRIDE`: images are filled up to squares of these. OpenVINO takes 13 ms, nearly half a plan, to
+make itself ready for a size that it has not met, and keeps 2 MB of it; so networks meet few sizes."""
+_STEP = 60
+"""Pixels, a multiple of `STRIDE`: sides of larger images are filled up to multiples of it."""
+_BLOCK, _PORTION = 64, 16
+"""Crops: OpenVINO scores blocks of 64, of which the last one is filled up to a multiple of 16."""
 
 
 class Runtime(Protocol):
@@ -80,6 +87,15 @@ def load_runtime(
     return runtime
 
 
+def _filled(height: int, width: int) -> tuple[int, int]:
+    """Height and width that an image is filled up to."""
+    larger = max(height, width)
+    for side in _SIDES:
+        if larger <= side:
+            return side, side
+    return height + -height % _STEP, width + -width % _STEP
+
+
 class _Base(ABC):
     """Shapes, padding and locking that both backends share."""
 
@@ -100,7 +116,7 @@ class _Base(ABC):
         count, height, width = x.shape
         if x.size == 0:
             return np.zeros(x.shape, np.float32)
-        padded = np.zeros((count, 1, height + -height % STRIDE, width + -width % STRIDE), np.float32)
+        padded = np.zeros((count, 1, *_filled(height, width)), np.float32)
         padded[:, 0, :height, :width] = x
         with self._lock:
             return np.ascontiguousarray(self._regression(padded)[:, 0, :height, :width])
@@ -121,9 +137,11 @@ class _Base(ABC):
             return np.ascontiguousarray(self._refined(batch)[:, 1])
 
     def warm_up(self) -> None:
-        """Run each network once at its usual size, so that the first plan is as fast as the next."""
-        self.quality_map(np.zeros((1, 300, 300), np.float32))
-        self.scores(np.zeros((64, self.meta.crop.size, self.meta.crop.size), np.float32))
+        """Run each network once at each of its usual sizes, so that the first plan is as fast as the next."""
+        for side in _SIDES:
+            self.quality_map(np.zeros((1, side, side), np.float32))
+        for count in range(_PORTION, _BLOCK + 1, _PORTION):
+            self.scores(np.zeros((count, self.meta.crop.size, self.meta.crop.size), np.float32))
 
     @abstractmethod
     def _regression(self, x: Array) -> Array: ...
@@ -153,7 +171,13 @@ class OpenVinoRuntime(_Base):
         return np.asarray(self._regression_request.infer([x], share_inputs=True)[0])
 
     def _refined(self, x: Array) -> Array:
-        return np.asarray(self._refined_request.infer([x], share_inputs=True)[0])
+        scores = np.empty((len(x), 2), np.float32)
+        for start in range(0, len(x), _BLOCK):
+            block = x[start : start + _BLOCK]
+            count = len(block)
+            block = np.pad(block, ((0, -count % _PORTION), (0, 0), (0, 0), (0, 0)))
+            scores[start : start + count] = self._refined_request.infer([block], share_inputs=True)[0][:count]
+        return scores
 
 
 class TorchRuntime(_Base):

@@ -41,6 +41,49 @@ def test_backends_agree(make_weights: Maker) -> None:
         np.testing.assert_allclose(maps, reference.quality_map(heights), atol=0.005)
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_scores_and_maps_have_the_shape_of_what_is_given_whatever_it_is_filled_up_to(
+    backend: str, make_weights: Maker
+) -> None:
+    runtime = load_runtime(make_weights(width=8), backend, threads=1)  # type: ignore[arg-type]
+    rng = np.random.default_rng(0)
+    crops = rng.normal(0, 1, (150, 48, 48)).astype(np.float32)
+    scores = runtime.scores(crops)
+    for count in (1, 16, 17, 63, 65, 149):
+        found = runtime.scores(crops[:count])
+        assert found.shape == (count,)
+        np.testing.assert_allclose(found, scores[:count], atol=1e-5)
+    heights = rng.uniform(0, 2, (1, 301, 444)).astype(np.float32)
+    whole = runtime.quality_map(heights)
+    assert whole.shape == heights.shape
+    for height, width in ((180, 175), (230, 301), (301, 250)):
+        found = runtime.quality_map(heights[:, :height, :width])
+        assert found.shape == (1, height, width)
+        np.testing.assert_allclose(found[:, :-48, :-48], whole[:, : height - 48, : width - 48], atol=1e-4)
+
+
+@needs_openvino
+def test_openvino_meets_few_sizes(make_weights: Maker, monkeypatch: pytest.MonkeyPatch) -> None:
+    runtime = load_runtime(make_weights(width=8), "openvino", threads=1)
+    sizes: set[tuple[int, ...]] = set()
+    refined, regression = runtime._refined_request, runtime._regression_request  # type: ignore[attr-defined]
+
+    class Spy:
+        def __init__(self, request: object) -> None:
+            self.request = request
+
+        def infer(self, inputs: list[np.ndarray], **options: bool) -> object:
+            sizes.add(inputs[0].shape)
+            return self.request.infer(inputs, **options)  # type: ignore[attr-defined]
+
+    monkeypatch.setattr(runtime, "_refined_request", Spy(refined))
+    monkeypatch.setattr(runtime, "_regression_request", Spy(regression))
+    for count in range(1, 300, 7):
+        runtime.scores(np.zeros((count, 48, 48), np.float32))
+        runtime.quality_map(np.zeros((1, count, 300 - count), np.float32))
+    assert sizes == {(n, 1, 48, 48) for n in (16, 32, 48, 64)} | {(1, 1, n, n) for n in (180, 240, 300)}
+
+
 @needs_openvino
 def test_shipped_weights_agree_on_rendered_crops() -> None:
     camera = canonical_camera()
