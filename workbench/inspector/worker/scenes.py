@@ -65,7 +65,7 @@ def give_back() -> None:
         trim(0)
 
 
-@lru_cache(maxsize=48)
+@lru_cache(maxsize=24)
 def asset_of(name: str, path: str | None) -> ObjectAsset:
     """An object of the catalogue, or of an own mesh file whose key ends in its unit."""
     from grasp_core.objects.library import catalogue, load_object
@@ -81,7 +81,7 @@ def asset_of(name: str, path: str | None) -> ObjectAsset:
         raise GraspError(reworded(str(error), [path])) from error
 
 
-@lru_cache(maxsize=48)
+@lru_cache(maxsize=24)
 def _rests(name: str, path: str | None) -> tuple[StablePose, ...]:
     from grasp_core.simulation.settling import stable_poses
 
