@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
@@ -48,11 +49,10 @@ def chromium():
         browser.close()
 
 
-@pytest.fixture(scope="module")
-def workbench(chromium, tmp_path_factory):
-    """`grasp-workbench` as a user starts it: its address and its dataset's folder."""
-    dataset = tmp_path_factory.mktemp("browser") / "own"
-    command = [sys.executable, "-m", "workbench.cli", "--port", "0", "--no-open", "--dataset", str(dataset)]
+@contextmanager
+def started(dataset, port=0):
+    """`grasp-workbench` as a user starts it: its address and its dataset's folder; stopped on the way out."""
+    command = [sys.executable, "-m", "workbench.cli", "--port", str(port), "--no-open", "--dataset", str(dataset)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         killer = threading.Timer(START, process.kill)
         killer.start()
@@ -62,6 +62,19 @@ def workbench(chromium, tmp_path_factory):
         yield SimpleNamespace(url=line.split()[-1], dataset=dataset, process=process)
         process.terminate()
         process.wait(20)
+
+
+@pytest.fixture(scope="module")
+def workbench(chromium, tmp_path_factory):
+    """The workbench of a module's tests."""
+    with started(tmp_path_factory.mktemp("browser") / "own") as found:
+        yield found
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Starts another workbench on a port, to be entered with `with`."""
+    return lambda port=0: started(tmp_path / "own", port)
 
 
 WAIT = 90_000

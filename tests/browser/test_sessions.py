@@ -52,6 +52,23 @@ def test_a_reload_in_the_middle_of_a_trial_finds_it(page):
     assert "candidate 2" in page.raw.locator("[data-trial]").inner_text()
 
 
+def test_a_page_says_that_its_workbench_was_stopped_and_comes_back_with_the_next(browser_page, start):
+    told = "getComputedStyle(document.body, '::after')"
+    page = browser_page()
+    with start() as first:
+        page.url = first.url
+        page.open("&object=mug_003&place=5")
+        rows = page.rows().all_inner_texts()
+        assert page.raw.evaluate(f"{told}.content") == "none"
+    page.until(f"{told}.content.includes('does not answer') && {told}.opacity === '1'")
+    page.raw.evaluate("document.querySelectorAll('tr[data-candidate]').forEach(row => row.remove())")
+    with start(int(first.url.rstrip("/").rsplit(":", 1)[1])):
+        page.until(f"{told}.content === 'none'")
+        page.raw.wait_for_selector("tr[data-candidate]")
+        page.settled()
+        assert page.rows().all_inner_texts() == rows
+
+
 def test_two_browsers_are_independent(page, browser_page):
     other = browser_page().open()
     other.button("Random").click()
