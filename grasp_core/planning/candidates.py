@@ -121,8 +121,7 @@ def reachable(batch: Batch, view: TableView, gripper: Gripper) -> NDArray[np.boo
     left = np.arange(len(batch))
     for (footprint, above), surface in zip(_footprints(gripper), (view.smooth, view.crests, view.crests), strict=True):
         for clear in (partial(_above_surface, surface=surface), _in_sight):
-            depth = batch.depth[left] - above
-            left = left[clear(depth, across[left] @ footprint, down[left] @ footprint, view).all(axis=1)]
+            left = left[clear(batch.depth[left] - above, across[left], down[left], footprint, view)]
     free = np.zeros(len(batch), np.bool_)
     free[left] = True
     return free
@@ -220,23 +219,41 @@ def _placing(batch: Batch, view: TableView) -> tuple[NDArray[np.float32], NDArra
 
 def _above_surface(
     depth: NDArray[np.float64],
-    right: NDArray[np.float32],
+    across: NDArray[np.float32],
     down: NDArray[np.float32],
+    footprint: NDArray[np.float32],
     view: TableView,
     surface: NDArray[np.float32],
 ) -> NDArray[np.bool_]:
-    """Boolean (N, P): whether points at z-depths (N,) lie above a surface (h, w) on the view's window."""
-    k = view.camera.intrinsics
-    focal = (k.fx / depth).astype(np.float32)[:, None]
-    u, v = focal * right + np.float32(k.cx), focal * down + np.float32(k.cy)
-    return np.asarray(look_up(surface, u, v, outside=np.inf) > depth[:, None])
+    """Boolean (N,): whether all points of a footprint at z-depths (N,) lie above a surface (h, w) on the view's window.
+
+    Those above the highest place of the surface are not looked up; see `_placing` for `across` and `down`.
+    """
+    clear = surface.min() > depth
+    low = np.flatnonzero(~clear)
+    k, depth = view.camera.intrinsics, depth[low, None]
+    focal = (k.fx / depth).astype(np.float32)
+    u, v = (
+        focal * (offset[low] @ footprint) + np.float32(middle) for offset, middle in ((across, k.cx), (down, k.cy))
+    )
+    clear[low] = (look_up(surface, u, v, outside=np.inf) > depth).all(axis=1)
+    return clear
 
 
 def _in_sight(
-    depth: NDArray[np.float64], right: NDArray[np.float32], down: NDArray[np.float32], view: TableView
+    depth: NDArray[np.float64],
+    across: NDArray[np.float32],
+    down: NDArray[np.float32],
+    footprint: NDArray[np.float32],
+    view: TableView,
 ) -> NDArray[np.bool_]:
-    """Boolean (N, P): whether the input's camera sees points at z-depths (N,)."""
-    return ~view.rectified.hides(right, down, (view.camera.pose[2, 3] - depth)[:, None])
+    """Boolean (N,): whether the input's camera sees all points of a footprint at z-depths (N,)."""
+    height = view.camera.pose[2, 3] - depth
+    clear = view.rectified.tallest <= height
+    low = np.flatnonzero(~clear)
+    hidden = view.rectified.hides(across[low] @ footprint, down[low] @ footprint, height[low, None])
+    clear[low] = ~hidden.any(axis=1)
+    return clear
 
 
 def distinct(

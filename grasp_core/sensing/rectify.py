@@ -139,6 +139,11 @@ class Rectified:
         """The heights of the turned view without stray pixels."""
         return np.asarray(cv2.medianBlur(self.turned, 3))
 
+    @cached_property
+    def tallest(self) -> float:
+        """Metres above the table that nothing which the input shows is higher than; stray pixels do not count."""
+        return float(self._occluders.max())
+
     def hides(
         self, right: NDArray[np.floating], down: NDArray[np.floating], height: NDArray[np.floating]
     ) -> NDArray[np.bool_]:
