@@ -363,8 +363,11 @@ def _close_pits(height: NDArray[np.float32]) -> None:
 
     Where the input looks under a bulge, the table that it sees there shows between the splatted points of the bulge.
     """
-    closed = cv2.morphologyEx(height, cv2.MORPH_CLOSE, _SQUARE)
-    np.copyto(height, closed, where=(height < _RAISED) & (closed > height + _SAME_SURFACE))
+    closed = cv2.morphologyEx(height, cv2.MORPH_CLOSE, _SQUARE).reshape(-1)
+    flat = height.reshape(-1)
+    deep = np.flatnonzero(closed > flat + _SAME_SURFACE)
+    deep = deep[flat[deep] < _RAISED]
+    flat[deep] = closed[deep]
 
 
 def _fill_background(height: NDArray[np.float32], seen: NDArray[np.bool_]) -> None:
@@ -383,7 +386,8 @@ def _fill_background(height: NDArray[np.float32], seen: NDArray[np.bool_]) -> No
     for beside in _around(rows, columns, seen.shape):
         np.minimum.at(lowest, labels[beside], values)
     lowest[lowest < _SAME_SURFACE] = 0
-    np.copyto(height, lowest[labels], where=~seen)
+    hidden = np.flatnonzero(unseen)
+    height.reshape(-1)[hidden] = lowest[labels.reshape(-1)[hidden]]
 
 
 def _around(
