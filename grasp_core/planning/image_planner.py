@@ -159,7 +159,7 @@ class NetworkSettings(SearchSettings):
         pose_noise: how far the robot strays from the pose that it is told.
     """
 
-    threshold: float = 0.6
+    threshold: float = 0.5
     pose_noise: PoseNoise = PoseNoise()
 
 

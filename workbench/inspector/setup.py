@@ -45,7 +45,7 @@ class Setup(config.Settings):
     angles: int = 12
     scored: int = 64
     radius: float = 0.3333
-    threshold: float = 0.6
+    threshold: float = 0.5
     candidates: int = 10
     gripper: str = "paper"
     camera: str = "canonical"

@@ -120,7 +120,7 @@ def test_an_empty_plan_says_why(make_runtime, photo, make_box, rng):
     planner = CascadePlanner(make_runtime(factor=0.3), GRIPPER)
     plan = planner(photo(make_box(0, 0)), rng=rng)
     assert plan.candidates == () and plan.scored
-    assert plan.reason.startswith(f"all {len(plan.scored)} scored grasps are below t = 0.6; the best has 0.")
+    assert plan.reason.startswith(f"all {len(plan.scored)} scored grasps are below t = 0.5; the best has 0.")
     plan = planner(photo(), rng=rng)
     assert plan.reason.startswith("no object above the table") and plan.region is None and plan.sampled.shape == (0, 2)
     noise = DepthImage.from_array(rng.uniform(0.3, 5, (480, 640)), Camera(photo().camera.intrinsics))
@@ -194,9 +194,9 @@ def test_grasps_around_the_best_ones_are_judged_too(make_runtime, photo, make_bo
 def test_further_regions_are_tried_until_there_are_enough_candidates(make_runtime, photo, make_box, rng):
     image = photo(make_box(-0.1, 0.0), make_box(0.1, 0.0))
     few, many = (
-        CascadePlanner(make_runtime(), GRIPPER, settings(enough=enough, candidates=30, regions=6, polished=0))(
-            image, rng=np.random.default_rng(0)
-        )
+        CascadePlanner(
+            make_runtime(), GRIPPER, settings(threshold=0.6, enough=enough, candidates=30, regions=6, polished=0)
+        )(image, rng=np.random.default_rng(0))
         for enough in (1, 15)
     )
     assert len(few.candidates) < 15 <= len(many.candidates)

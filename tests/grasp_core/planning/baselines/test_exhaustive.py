@@ -52,7 +52,7 @@ def test_candidates_are_distinct_and_above_t(photo, make_box, make_runtime, rng)
 def test_empty_plans_say_why(photo, make_box, make_runtime, rng):
     assert "no object" in ExhaustivePlanner(make_runtime(), GRIPPER, COARSE)(photo(), rng=rng).reason
     low = ExhaustivePlanner(make_runtime(factor=0.1), GRIPPER, COARSE)(photo(make_box(0, 0)), rng=rng)
-    assert low.candidates == () and "below t = 0.6" in low.reason and low.scored
+    assert low.candidates == () and "below t = 0.5" in low.reason and low.scored
     slab = photo(make_box(0, 0, (0.3, 0.3, 0.05), 0.0))
     mask = np.zeros(slab.depth.shape, bool)
     mask[200:280, 280:360] = True
