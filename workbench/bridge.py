@@ -336,10 +336,15 @@ class Bridge:
 
         command.on_trigger(self._guard(triggered))
 
-    def clickable(self, handle: Any, count: Callable[[], int], action: Callable[[int], Action]) -> None:
+    def clickable(
+        self, handle: Any, count: Callable[[], int], action: Callable[[int], Action]
+    ) -> Callable[[bool], None]:
         """Clicks on one instance of a batched mesh become actions; impossible instances are refused.
 
         A mesh that is not batched counts as instance 0.
+
+        Returns:
+            Switches it off and on again: a mesh that can be clicked keeps the pointer from a gizmo behind it.
         """
 
         def clicked(event: Any) -> None:
@@ -348,7 +353,15 @@ class Bridge:
                 raise GraspError("that is gone; click one that is shown")
             self._post(action(index))
 
-        handle.on_click(self._guard(clicked))
+        guarded = self._guard(clicked)
+        handle.on_click(guarded)
+
+        def switch(on: bool) -> None:
+            handle.remove_click_callback("all")
+            if on:
+                handle.on_click(guarded)
+
+        return switch
 
     def draggable(self, handle: viser.TransformControlsHandle, action: Callable[[Any, Any, bool], Action]) -> None:
         """Movements of a gizmo become actions.

@@ -38,6 +38,23 @@ def test_image_scores_and_candidates_follow_a_drag(page):
     page.tried()
 
 
+def test_what_lies_on_its_side_slides_along_the_table_and_keeps_its_pose(browser_page):
+    page = browser_page().open("&object=bottle_003&pose=1")
+    raw = page.raw
+    raw.wait_for_timeout(1500)
+    rests = re.search(r"pose \d+/\d+", raw.locator(".gw-facts").inner_text())[0]
+    for offset in ([0.09, 0, 0], [0, 0.09, 0]):
+        start, link = page.node("/inspect/objects/0"), raw.url
+        (u, v), (x, y) = raw.evaluate(HANDLE, [0, 0, 0]), raw.evaluate(HANDLE, offset)
+        drag(page, offset, 0.6 * (x - u), 0.6 * (y - v))
+        raw.mouse.up()
+        page.settled()
+        page.until("l => location.href !== l", link)
+        end = page.node("/inspect/objects/0")
+        assert abs(end[2] - start[2]) < 0.001 and max(abs(end[0] - start[0]), abs(end[1] - start[1])) > 0.01
+    assert rests in raw.locator(".gw-facts").inner_text() and "loose" not in raw.url
+
+
 def test_without_a_gpu_the_scene_is_drawn_coarser_while_it_moves(browser_page, workbench):
     page = browser_page()
     raw = page.raw

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import msgspec
@@ -16,6 +16,7 @@ from grasp_core.planning.places import PlaceScores
 from grasp_core.planning.planner import Candidate, Plan
 from grasp_core.scene import Scene
 from grasp_core.simulation.recording import Recording
+from workbench.inspector.poses import resting
 from workbench.inspector.setup import Setup
 
 Judgement = Literal["good", "bad"]
@@ -104,11 +105,15 @@ class Rest:
 
     Attributes:
         poses: all stable poses, 4×4, with their probabilities.
-        pose: which one the scene was made with; None where the object was dragged into another.
+        pose: which one it is in; None for another.
     """
 
     poses: tuple[tuple[NDArray[np.float64], float], ...]
     pose: int | None
+
+    def at(self, world_from_object: NDArray[np.float64]) -> Rest:
+        """The same where the object stands at a pose (4×4)."""
+        return replace(self, pose=resting(world_from_object, [pose for pose, _ in self.poses]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from grasp_core.planning.planner import Candidate, Plan
 from grasp_core.simulation.recording import Recording
 from workbench.inspector.orders import Catalogue, Choice, Item, Judgement, OpenedScene, Photo, Place, SceneRequest, Try
-from workbench.inspector.poses import matrix
+from workbench.inspector.poses import Vector, matrix
 from workbench.inspector.setup import DEFAULT, Setup
 from workbench.playback import Replay
 
@@ -172,6 +172,7 @@ class State:
         mode: how the gizmo moves objects.
         grabbed: which object it holds.
         dragging: a drag is under way.
+        dragged_from: where the dragged object was when the drag began.
         moved_at: when it last moved something, by the monotonic clock.
         settling: objects are being let go.
         live: how fast plans follow it.
@@ -208,6 +209,7 @@ class State:
     mode: Mode = "slide"
     grabbed: int = 0
     dragging: bool = False
+    dragged_from: Vector | None = None
     moved_at: float | None = None
     settling: bool = False
     live: Live | None = None

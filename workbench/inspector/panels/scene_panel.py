@@ -122,7 +122,7 @@ def facts(state: State, bridge: Bridge) -> str:
         if index < len(state.request.things) and state.request.things[index].loose:
             how = "not at rest"
         elif rest.pose is None:
-            how = "moved by hand"
+            how = "at rest in a pose that it seldom ends in"
         else:
             how = f"pose {rest.pose + 1}/{len(rest.poses)}, {100 * rest.poses[rest.pose][1]:.0f} %"
         held = len(state.scene.scene.objects) > 1 and index == state.grabbed

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from workbench.actions import Notice
 from workbench.inspector import actions as a
 from workbench.inspector import answers as r
 from workbench.inspector import effects as e
-from workbench.inspector.poses import matrix, slid
+from workbench.inspector.poses import floats, matrix, slid, vector
 from workbench.inspector.rules.registry import Result, rule
 from workbench.inspector.rules.scene import make, want
 from workbench.inspector.state import State
@@ -32,9 +34,10 @@ def _drag(action: a.Drag, state: State) -> Result:
     if before is None:
         return state, ()
     thing = state.request.things[state.grabbed]
-    loose = thing.loose or not slid(before, matrix(action.at))
+    start = state.dragged_from if state.dragging and state.dragged_from is not None else vector(before)
+    loose = thing.loose or not slid(matrix(start), matrix(action.at)) or _floats(state, matrix(action.at))
     moved = msgspec.structs.replace(thing, at=action.at, loose=loose)
-    state = replace(state, dragging=not action.ended, playback=None, moved_at=action.now)
+    state = replace(state, dragging=not action.ended, dragged_from=start, playback=None, moved_at=action.now)
     if moved.at == thing.at:
         # The drag ended where it was last: what the last movement asked for is shown at rest.
         return (state, ()) if state.making is not None else want(state)
@@ -42,6 +45,11 @@ def _drag(action: a.Drag, state: State) -> Result:
     if state.making is not None:
         return want(state, request)
     return make(replace(state, request=request, ticket=state.ticket + 1, failure=None), action.now)
+
+
+def _floats(state: State, pose: NDArray[np.float64]) -> bool:
+    objects = () if state.scene is None else state.scene.scene.objects
+    return state.grabbed < len(objects) and floats(objects[state.grabbed].asset.vertices, pose)
 
 
 @rule(a.Settle)

@@ -180,7 +180,7 @@ def _moved(scene: OpenedScene, action: r.Seen) -> OpenedScene:
     placed, rests = [], []
     for thing, old, rest in zip(action.request.things, scene.scene.objects, scene.rests, strict=True):
         placed.append(old if thing.at is None else PlacedObject(old.asset, matrix(thing.at)))
-        rests.append(rest if thing.at is None else replace(rest, pose=None))
+        rests.append(rest if thing.at is None else rest.at(matrix(thing.at)))
     return replace(
         scene,
         request=action.request,

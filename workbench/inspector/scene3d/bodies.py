@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from workbench.casting import plain, pose, put
 from workbench.inspector.actions import Drag, Grab
 from workbench.inspector.drawing import body_at, force_lines, frame_at, shaded
 from workbench.inspector.orders import MOST_THINGS, OpenedScene, Try
+from workbench.inspector.poses import matrix, vector
 from workbench.inspector.state import State
 from workbench.tabletop import Body, Shadows, box_corners
 
@@ -133,9 +134,12 @@ class Bodies:
             opacity=0.85,
             visible=False,
         )
-        bridge.draggable(self._gizmo, lambda turn, place, ended: Drag((*place, *turn), ended, time.monotonic()))
-        for slot, handle in enumerate(self._cast.objects):
-            bridge.clickable(handle, lambda: 1, _grab(slot))
+        self._gizmo_from_object = np.eye(3)
+        bridge.draggable(self._gizmo, self._dragged)
+        self._grabbable = [
+            bridge.clickable(handle, lambda: 1, _grab(slot)) for slot, handle in enumerate(self._cast.objects)
+        ]
+        self._grabbed: int | None = None
         self._dressed: tuple[int, ...] = ()
 
     def update(self, old: State | None, new: State) -> None:
@@ -176,17 +180,35 @@ class Bodies:
         else:
             self._ghost.play(pinned.attempt, playback.position)
 
+    def _dragged(self, turn: Sequence[float], place: Sequence[float], ended: bool) -> Drag:
+        world = matrix((*place, *turn))  # type: ignore[arg-type]
+        world[:3, :3] @= self._gizmo_from_object
+        return Drag(vector(world), ended, time.monotonic())
+
     def _hold(self, state: State) -> None:
-        """The gizmo at the grabbed object; while it is dragged the page itself moves it."""
+        """The gizmo at the grabbed object; while it is dragged the page itself moves it.
+
+        Where objects slide, its axes are those of the table; where they move freely, those of the object.
+        """
         known = state.scene is not None and state.request.things and state.failure is None
         transform = state.pose(state.grabbed) if known else None
         put(self._gizmo, visible=transform is not None and state.playback is None)
+        if state.grabbed != self._grabbed:
+            self._grabbed = state.grabbed
+            for slot, switch in enumerate(self._grabbable):
+                switch(slot != state.grabbed)
         free = state.mode == "free"
         put(self._gizmo, active_axes=(True, True, free))
-        if transform is not None and not state.dragging:
-            turn, place = pose(transform)
-            if not np.allclose((*self._gizmo.wxyz, *self._gizmo.position), (*turn, *place), atol=1e-6):
-                put(self._gizmo, wxyz=np.array(turn), position=np.array(place))
+        if transform is None or state.dragging:
+            return
+        (turn, place), upright = pose(transform), (1.0, 0.0, 0.0, 0.0)
+        gizmo = matrix((*self._gizmo.position, *self._gizmo.wxyz))[:3, :3]
+        fits = np.allclose(self._gizmo_from_object, np.eye(3)) if free else gizmo[2, 2] > 1 - 1e-6
+        if not fits or not np.allclose(gizmo @ self._gizmo_from_object, transform[:3, :3], atol=1e-4):
+            self._gizmo_from_object = np.eye(3) if free else transform[:3, :3]
+            put(self._gizmo, wxyz=np.array(turn if free else upright))
+        if not np.allclose(self._gizmo.position, place, atol=1e-6):
+            put(self._gizmo, position=np.array(place))
 
 
 def _grab(slot: int) -> Callable[[int], Grab]:

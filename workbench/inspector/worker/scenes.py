@@ -124,7 +124,8 @@ def make_scene(request: SceneRequest, setup: Setup, files: Files) -> tuple[Scene
         found = _rests(thing.name, path)
         pose = thing.pose % len(found)
         things.append(msgspec.structs.replace(thing, pose=pose))
-        rests.append(Rest(tuple((rest.pose, rest.probability) for rest in found), None if thing.at else pose))
+        rest = Rest(tuple((rest.pose, rest.probability) for rest in found), pose)
+        rests.append(rest if thing.at is None else rest.at(matrix(thing.at)))
         if thing.at is None:
             own = found[pose].pose
             radius = float(np.linalg.norm((asset.vertices @ own[:3, :3].T)[:, :2], axis=1).max())

@@ -41,6 +41,23 @@ def test_plans_follow_a_drag_one_at_a_time(shown, sight):
     assert np.isclose(state.scene.scene.objects[0].world_from_object[0, 3], pose(shown, 0.03)[0])
 
 
+def test_what_is_lifted_bit_by_bit_is_not_at_rest(shown):
+    state = shown
+    for step in range(1, 5):
+        state, _ = run(state, a.Drag(pose(shown, 0.01, 0.001 * step), False, 1.0 + 0.1 * step))
+    assert state.loose, "each movement was under 2 mm, all of them were not"
+    state = shown
+    for step in range(1, 7):  # many short drags
+        state, _ = run(
+            state,
+            a.Drag(pose(shown, 0.01, 0.0015 * step), False, step),
+            a.Drag(pose(shown, 0.01, 0.0015 * step), True, step),
+        )
+    assert state.loose
+    state, _ = run(shown, *(a.Drag(pose(shown, 0.01 * step), False, 1.0 + step) for step in range(6)))
+    assert not state.loose, "it slid"
+
+
 def test_the_end_of_a_drag_is_seen_at_rest(shown, sight):
     state, _ = run(shown, a.Drag(pose(shown, 0.01), False, 1.0))
     state, _ = run(state, r.Seen(2, state.request, DEFAULT, sight(), 1.0, 1.1))
