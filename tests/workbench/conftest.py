@@ -134,6 +134,10 @@ class Handle:
 
     on_update = on_click = on_trigger = on_upload = _add
 
+    def remove_click_callback(self, callback):
+        assert callback == "all"
+        self.handlers.clear()
+
 
 class Client:
     """Stands for a browser: `gui` and `scene` make handles, all kept in `made`."""

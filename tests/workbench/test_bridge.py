@@ -78,12 +78,17 @@ def test_an_exception_in_a_handler_becomes_a_notice(bridge, client, posted):
 
 def test_clicks_on_impossible_instances_are_refused(bridge, client, posted):
     mesh = client.add_batched_meshes_simple("/m")
-    bridge.clickable(mesh, lambda: 2, Select)
+    switch = bridge.clickable(mesh, lambda: 2, Select)
     for index in (5, -1, 1.5, "0"):
         fire(mesh, instance_index=index)
     fire(mesh, instance_index=1)
     assert [type(action) for action in posted[:4]] == [Notice] * 4
     assert posted[4] == Select(1)
+    switch(False)
+    assert not mesh.handlers, "the pointer passes through it"
+    switch(True)
+    fire(mesh, instance_index=1)
+    assert posted[5:] == [Select(1)]
 
 
 def test_buttons_carry_hint_and_state(bridge):

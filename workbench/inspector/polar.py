@@ -56,7 +56,7 @@ def plot(place: Place, threshold: float, yaw: float = 0.0) -> str:
 
 def words(place: Place) -> str:
     """What is known of a place, in a sentence or two."""
-    depth = "not measured (filled in)" if place.depth is None else f"{place.depth:.3f} m"
+    depth = "not measured (filled in)" if place.depth is None else f"{place.depth:.3f} m from above"
     told = f"Depth {depth}, heat {place.heat:.2f}."
     scores = place.scores
     if scores is None:
@@ -66,6 +66,8 @@ def words(place: Place) -> str:
     if scores.best is None:
         return f"{told} The gripper reaches it at no angle: fingers or rod would meet what is seen."
     best = scores.candidates[scores.best]
+    if best.score < 0.005:
+        return f"{told} No angle scores above 0.00: there is nothing to hold here."
     told += f" Best score {best.score:.2f} at φ = {math.degrees(best.grasp.angle):.0f}°"
     return told + (
         f"; at {blocked} of {len(scores.candidates)} angles the gripper would meet something." if blocked else "."

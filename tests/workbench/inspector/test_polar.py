@@ -28,7 +28,7 @@ def test_the_plot_is_turned_as_the_image_is(scores):
 
 def test_what_is_known_is_said(scores):
     place = Place(5.0, 6.0, 0.66, 0.2)
-    assert polar.words(place) == "Depth 0.660 m, heat 0.20."
+    assert polar.words(place) == "Depth 0.660 m from above, heat 0.20."
     known = replace(place, scores=scores(5.0, 6.0), depth=None)
     said = polar.words(known)
     assert "not measured" in said and "40 mm above" in said and "at 4 of 12 angles" in said and "0.92" in said

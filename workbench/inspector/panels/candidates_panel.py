@@ -67,7 +67,8 @@ def stages(times: Mapping[str, float]) -> str:
 _HEAD = "".join(
     f'<th title="{hint}">{name}</th>'
     for name, hint in (
-        ("#", "place, best first"), ("score", "Refined Network: probability that the grasp succeeds"),
+        ("#", "place, best first"),
+        ("score", "the planner's own; of those with networks the probability that the grasp succeeds"),
         ("heat", "quality map at the grasp"), ("φ", "angle of the closing axis about the vertical"),
         ("w", "opening at approach, mm"), ("z", "height of the finger tips above the table, mm"),
         ("DART", "successes / attempts in physics"), ("you", "your verdict"),
@@ -85,9 +86,7 @@ def rows(state: State, bridge: Bridge) -> str:
         trial = state.trials.get(choice)
         tried = "·"
         if trial is not None and trial.attempts:
-            good = trial.successes == len(trial.attempts)
-            outcome = "SUCCESS" if good else "COLLISION" if not trial.successes else "SLIPPED"
-            colour = colours.css(colours.OUTCOMES[outcome])
+            colour = colours.css(colours.score(trial.successes / len(trial.attempts)))
             tried = f'<span style="color:{colour}">{trial.successes}/{len(trial.attempts)}</span>'
         elif trial is not None and trial.running:
             tried = '<i class="gw-spin"></i>'
@@ -153,6 +152,11 @@ def listing(state: State, bridge: Bridge) -> str:
         told = f'<div class="gw-empty">No grasp: {reason}. {advice}.</div>'
         return f"<h3>Candidates <span>{name}: none in {plan.total_ms:.0f} ms</span></h3>{told}{stages(plan.stages_ms)}"
     hidden = len(plan.candidates) - len(state.visible)
+    if state.visible:
+        head = f"<thead><tr>{_HEAD}</tr></thead>"
+        shown = f'<div class="gw-list"><table>{head}<tbody>{rows(state, bridge)}</tbody></table></div>'
+    else:
+        shown = f'<div class="gw-empty">All scores are below {state.least:.2f}; lower the least score.</div>'
     number = len(plan.candidates)
     count = f"{number} candidate{'' if number == 1 else 's'}" + (f", {hidden} hidden" if hidden else "")
     legend = (
@@ -161,8 +165,7 @@ def listing(state: State, bridge: Bridge) -> str:
     )
     return (
         f'<h3 title="J and K try the next and the previous one">{count} <span>{name} in {plan.total_ms:.0f} ms</span>'
-        f'</h3><div class="gw-list"><table><thead><tr>{_HEAD}</tr></thead><tbody>{rows(state, bridge)}</tbody></table>'
-        f"</div>{legend}{tools(state, bridge)}{stages(plan.stages_ms)}"
+        f"</h3>{shown}{legend}{tools(state, bridge)}{stages(plan.stages_ms)}"
     )
 
 

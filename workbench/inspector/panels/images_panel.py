@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from grasp_core.planning.planner import needs_networks
 from workbench import colours
 from workbench.actions import Action
 from workbench.bridge import Bridge, Reader
@@ -58,6 +59,12 @@ READERS: dict[str, Reader] = {
     "mark": _mark,
     "colours": _colours,
 }
+
+
+_ABOVE = (
+    "What planners look at: the depth image as a camera sees it that stands straight above the things, 0.70 m above "
+    "the table, whatever your camera's place; your camera's own pixels (u, v) and depths (d) stand beside each grasp"
+)
 
 
 def selection(state: State) -> str:
@@ -151,7 +158,7 @@ def controls(state: State, bridge: Bridge) -> str:
 
 def speed(state: State) -> str:
     """How fast the plan follows a drag; HTML."""
-    if state.live is None:
+    if state.live is None or not state.dragging:
         return (
             "" if state.scene is None or not state.request.things else "<span>drag the gizmo: the plan follows</span>"
         )
@@ -166,8 +173,9 @@ def detail(state: State) -> str:
 
 def _crop(state: State) -> str:
     candidate, scene, choice = state.candidate, state.scene, state.choice
-    hint = "What the Refined Network saw: depth round the grasp, turned so that the fingers close left to right"
-    title = f'<h4 title="{hint}">The network saw</h4>'
+    hint = "What the Refined Network sees: depth round the grasp, turned so that the fingers close left to right"
+    judged = state.scene is None or choice is None or needs_networks(state.scene.setup.planners[choice.side])
+    title = f'<h4 title="{hint}">{"The network saw" if judged else "Around the grasp"}</h4>'
     if candidate is None or scene is None or choice is None:
         return f'{title}<div class="gw-empty">No candidate is selected.</div>'
     crops = scene.sight.crops[choice.side]
@@ -177,8 +185,9 @@ def _crop(state: State) -> str:
         shown = images.crop_picture(crops[choice.index], scene.sight.context)
     seen = candidate.image
     told = (
-        f"<b>{choice.index + 1}</b> score <b>{candidate.score:.3f}</b><br>u {seen.u:.0f} v {seen.v:.0f} px<br>"
-        f"d {seen.depth:.3f} m<br>φ {math.degrees(candidate.grasp.angle):.0f}°, w {1000 * candidate.grasp.width:.0f} mm"
+        f"<b>{choice.index + 1}</b> score <b>{candidate.score:.3f}</b><br>camera u {seen.u:.0f} v {seen.v:.0f}"
+        f"<br>d {seen.depth:.3f} m<br>φ {math.degrees(candidate.grasp.angle):.0f}°,"
+        f" w {1000 * candidate.grasp.width:.0f} mm"
     )
     return f'{title}<div class="gw-seen">{shown}<small>{told}</small></div>'
 
@@ -212,7 +221,7 @@ class ImagesPanel:
     def update(self, old: State | None, new: State) -> None:
         """Show `new`; the pictures are sent when something on them changed only."""
         put(self._selection, content=selection(new))
-        put(self._head, content=f'<div class="gw"><h3>What was seen {speed(new)}</h3></div>')
+        put(self._head, content=f'<div class="gw"><h3 title="{_ABOVE}">Seen from above {speed(new)}</h3></div>')
         if old is None or _on_image(old) != _on_image(new):
             put(self._views, content=f'<div class="gw">{views(new, self._bridge)}{legend(new)}</div>')
         put(self._controls, content=f'<div class="gw">{controls(new, self._bridge)}</div>')

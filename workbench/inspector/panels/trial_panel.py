@@ -6,6 +6,7 @@ import math
 
 import msgspec
 
+from grasp_core.planning.planner import needs_networks
 from grasp_core.simulation.evidence import Evidence, millimetres
 from workbench import colours
 from workbench.bridge import Bridge, Reader
@@ -57,7 +58,8 @@ def evidence(attempt: Try) -> str:
         if contact is not None:
             parts.append(f"{name} finger: {contact.kind}, {contact.force:.0f} N")
     if found.clearance is not None:
-        parts.append(f"{millimetres(found.clearance)} above the table at the end")
+        height = f"{millimetres(found.clearance)} above" if found.clearance >= 0.001 else "on"
+        parts.append(f"{height} the table at the end")
     return f"<small>{text(' · '.join(parts))}</small>"
 
 
@@ -87,9 +89,10 @@ def against(state: State) -> str:
     trial, candidate = state.trial, state.candidate
     if not trial.complete or candidate is None:
         return '<i class="gw-spin"></i>'
+    said = "predicted" if needs_networks(state.setup.planners[state.side]) else "score"
     return (
         f'<b data-successes="{trial.successes}">{trial.successes} / {len(trial.attempts)}</b> succeeded'
-        f"<small>, predicted {candidate.score:.2f}</small>"
+        f"<small>, {said} {candidate.score:.2f}</small>"
     )
 
 

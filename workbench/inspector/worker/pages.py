@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 from typing import Any
 
 import numpy as np
@@ -83,4 +84,5 @@ def _captioned(page: str, title: str, attempt: Try) -> str:
         f'font:14px/1.4 system-ui,sans-serif"><b>{name}</b><br>{said}</div>'
     )
     head, _, body = page.partition("<body>")
+    head = re.sub(r"<title>.*?</title>", "", head, flags=re.DOTALL)
     return f"{head}<title>{name}</title><body>{caption}{body}" if body else page + caption

@@ -73,7 +73,8 @@ def asset_of(name: str, path: str | None) -> ObjectAsset:
     if path is None:
         return catalogue(name)
     unit = name.rpartition("-")[2]
-    label = re.sub(r"[^A-Za-z0-9_]+", "_", Path(path).stem).strip("_").lower() or "own"
+    stem = re.sub(r"^[0-9a-f]{12}--", "", Path(path).stem)  # uploads are kept under their digest
+    label = re.sub(r"[^A-Za-z0-9_]+", "_", stem).strip("_").lower() or "own"
     scale = _SCALES.get(unit, "keep")
     try:
         return load_object(path, scale=scale, name=label)  # type: ignore[arg-type]

@@ -67,7 +67,9 @@ def test_before_the_first_plan(state, bridge):
 
 def test_the_speed_of_a_drag_is_shown(shown):
     assert "drag the gizmo" in speed(shown)
-    assert "11.0/s · 80 ms behind" in speed(replace(shown, live=Live(80.0, tuple(n / 11 for n in range(12)))))
+    behind = replace(shown, live=Live(80.0, tuple(n / 11 for n in range(12))))
+    assert "11.0/s · 80 ms behind" in speed(replace(behind, dragging=True))
+    assert "drag the gizmo" in speed(behind), "it has ended"
 
 
 def test_the_selected_candidate_is_marked_by_a_style(shown, state):

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import msgspec
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from workbench.inspector import actions as a
 from workbench.inspector.orders import Choice, SceneRequest
-from workbench.inspector.poses import vector
+from workbench.inspector.poses import matrix, vector
 from workbench.inspector.scene3d.bodies import Bodies
 from workbench.inspector.state import Pinned, Playback
 
@@ -87,6 +88,38 @@ def test_the_gizmo_and_clicks_on_objects_send_actions(bodies, posted):
         asyncio.run(handler(SimpleNamespace(client_id=0, instance_index=None)))
     assert posted[0].at == (0.1, 0.0, 0.05, 1.0, 0.0, 0.0, 0.0) and not posted[0].ended
     assert posted[1] == a.Grab(2)
+
+
+def test_sliding_follows_the_axes_of_the_table_however_the_object_lies(bodies, shown, posted):
+    part, nodes = bodies
+    lying = shown.scene.scene.objects[0].world_from_object.copy()
+    lying[:3, :3] = Rotation.from_euler("xyz", [1.4, 0.3, 0.8]).as_matrix()
+    thing = msgspec.structs.replace(shown.request.things[0], at=vector(lying))
+    state = replace(shown, request=SceneRequest((thing,)))
+    part.update(None, state)
+    gizmo = nodes["/gizmo"]
+    assert np.allclose(gizmo.wxyz, [1, 0, 0, 0])
+    half = np.sqrt(0.5)
+    gizmo.wxyz = np.array([half, 0, 0, half])  # a quarter turn about the vertical
+    for handler in gizmo.handlers:
+        asyncio.run(handler(SimpleNamespace(client_id=0, phase="end")))
+    turned = matrix(posted[0].at)
+    quarter = Rotation.from_euler("z", 90, degrees=True).as_matrix()
+    assert np.allclose(turned[:3, :3], quarter @ lying[:3, :3], atol=1e-4)
+    after = replace(state, request=SceneRequest((msgspec.structs.replace(thing, at=posted[0].at),)))
+    part.update(state, after)
+    assert np.allclose(gizmo.wxyz, [half, 0, 0, half]), "the page's gizmo stays where it was let go"
+    free = replace(after, mode="free")
+    part.update(after, free)
+    assert np.allclose(matrix((0, 0, 0, *gizmo.wxyz))[:3, :3], turned[:3, :3], atol=1e-4), "its own axes"
+
+
+def test_the_held_object_lets_the_pointer_through_to_its_gizmo(bodies, shown):
+    part, nodes = bodies
+    part.update(None, shown)
+    assert not nodes["/objects/0"].handlers and nodes["/objects/1"].handlers
+    part.update(shown, replace(shown, grabbed=1))
+    assert nodes["/objects/0"].handlers and not nodes["/objects/1"].handlers
 
 
 def test_free_mode_has_all_axes(bodies, shown):

@@ -43,7 +43,12 @@ def test_several_objects_stand_apart():
 def test_objects_stay_where_they_were_dragged():
     at = (0.05, 0.02, 0.2, 1.0, 0.0, 0.0, 0.0)
     _, scene, rests = make_scene(SceneRequest((Thing("can_000", 0, at),)), DEFAULT, {})
-    assert scene.objects[0].world_from_object == pytest.approx(matrix(at)) and rests[0].pose is None
+    assert scene.objects[0].world_from_object == pytest.approx(matrix(at))
+    upright = rests[0].poses[rests[0].pose][0]
+    assert upright[2, 2] == pytest.approx(1, abs=1e-3), "slid and turned, it is in the same stable pose"
+    tipped = (0.05, 0.02, 0.2, 0.92388, 0.38268, 0.0, 0.0)
+    _, _, rests = make_scene(SceneRequest((Thing("can_000", 0, tipped),)), DEFAULT, {})
+    assert rests[0].pose is None
 
 
 def test_the_camera_follows_the_settings():
