@@ -87,5 +87,10 @@ def test_every_hotkey_is_listed(page):
     assert page.raw.locator(".gw-keylist kbd").count() > 15
     page.button("Close").click()
     page.raw.wait_for_selector(".gw-keylist", state="detached")
+    page.raw.keyboard.press("h")
+    page.raw.wait_for_selector(".gw-keylist")
+    page.raw.wait_for_timeout(500)
+    page.raw.keyboard.press("Escape")
+    page.raw.wait_for_selector(".gw-keylist", state="detached")
     page.raw.keyboard.press("Control+k")
     page.raw.get_by_text("Settle in DART").last.wait_for()

@@ -27,6 +27,10 @@ if (!window.gwHeld) {
     if (was && now && !was.isConnected && was.getAttribute('onclick') === now.getAttribute('onclick'))
       now.dispatchEvent(new MouseEvent('click', {bubbles: true, clientX: event.clientX, clientY: event.clientY}));
   }, true);
+  // viser's dialogs know no Escape.
+  window.addEventListener('keydown', event => {
+    if (event.key === 'Escape') document.querySelector('[role=dialog]:has(.gw-keylist) button')?.click();
+  });
   // Arrows belong to the slider or tab that has the focus; above the body viser would fly the camera by them.
   document.body.addEventListener('keydown', event => {
     if (event.key.startsWith('Arrow') && event.target.closest('[role=slider],[role=tab]')) event.stopPropagation();

@@ -61,7 +61,9 @@ def words(place: Place) -> str:
     scores = place.scores
     if scores is None:
         return told
-    told = f"Depth {depth}, {round(1000 * scores.height)} mm above the table, heat {place.heat:.2f}."
+    height = round(1000 * scores.height)
+    where = f"{height} mm above the table" if height >= 2 else "bare table"
+    told = f"Depth {depth}, {where}, heat {place.heat:.2f}."
     blocked = int((~scores.reachable).sum())
     if scores.best is None:
         return f"{told} The gripper reaches it at no angle: fingers or rod would meet what is seen."
