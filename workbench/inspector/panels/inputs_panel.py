@@ -6,7 +6,7 @@ from grasp_core.errors import GraspError
 from workbench.bridge import Bridge, Reader
 from workbench.casting import put, text
 from workbench.inspector import actions as a
-from workbench.inspector.orders import Catalogue, Item
+from workbench.inspector.orders import Catalogue, Item, SceneRequest
 from workbench.inspector.rules.files import photos
 from workbench.inspector.setup import FIELDS, Choice
 from workbench.inspector.shelf import KINDS, MOST
@@ -117,14 +117,22 @@ class InputsPanel:
         put(self._list, content=f'<div class="gw">{opened(new, self._bridge)}</div>')
 
 
+def _keys(request: SceneRequest) -> set[str]:
+    """The own files, and the catalogue's objects, of a scene."""
+    return {request.photo.key if request.photo else "", *(thing.name for thing in request.things)}
+
+
 def opened(state: State, bridge: Bridge) -> str:
     """Own files that can be shown, and stepping through images; HTML."""
     if not state.items:
         return '<div class="gw-empty">What you open is listed here. Nothing leaves this machine.</div>'
-    shown = {state.photo.key if state.request.photo else "", *(thing.name for thing in state.request.things)}
+    wanted, shown = _keys(state.request), _keys(state.request)
+    if state.failure is not None:
+        shown = set() if state.scene is None else _keys(state.scene.request)
     rows = "".join(
         f'<div class="gw-item{" gw-held" if item.key in shown else ""}" title="{text(item.name)}" '
-        f"{bridge.onclick(f'file:{item.key}')}><small>{item.kind}</small> {text(item.name)}</div>"
+        f"{bridge.onclick(f'file:{item.key}')}><small>{item.kind}</small> {text(item.name)}"
+        f"{'' if item.key not in wanted - shown else ' <small>· could not be used</small>'}</div>"
         for item in state.items[-_MOST_LISTED:]
         if item.kind != "camera"
     )

@@ -83,3 +83,18 @@ def test_messages_of_the_list():
     assert read_message("file:image-12ab:1", READERS) == a.UseFile("image-12ab")
     assert read_message("photo:-9:1", READERS) == a.NextPhoto(-1)
     assert TYPED
+
+
+def test_what_could_not_be_used_is_marked_and_what_is_shown_stays_marked(shown, bridge):
+    good, bad = Item("image-1", "good.npy", "image", ""), Item("image-2", "bad.npy", "image", "")
+    state = replace(
+        shown,
+        items=(good, bad),
+        request=SceneRequest((), 0, Photo("image-2")),
+        scene=replace(shown.scene, request=SceneRequest((), 0, Photo("image-1"))),
+        failure="no image",
+    )
+    page = opened(state, bridge)
+    assert page.index("gw-held") < page.index("good.npy") < page.index("bad.npy") < page.index("could not be used")
+    assert page.count("gw-held") == page.count("could not be used") == 1
+    assert "could not" not in opened(replace(state, failure=None), bridge)
