@@ -67,6 +67,9 @@ _ABOVE = (
 )
 
 
+_MAPPED = "made around what stands on the table and is seen as a whole; of the rest of the image it is not asked for"
+
+
 def selection(state: State) -> str:
     """A style sheet that marks the selected candidate in list and image, so that neither is sent anew."""
     if state.choice is None:
@@ -116,7 +119,7 @@ def legend(state: State) -> str:
         return depth + "<span>no quality map</span></div>"
     top = colours.heat_top(plan.quality_map)
     return depth + (
-        f'<span class="gw-gap">quality 0</span><i style="background:{colours.heat_gradient()}"></i>'
+        f'<span class="gw-gap" title="{_MAPPED}">quality 0</span><i style="background:{colours.heat_gradient()}"></i>'
         f"<span>{top:.2f}</span></div>"
     )
 
