@@ -233,9 +233,7 @@ def _above_surface(
     low = np.flatnonzero(~clear)
     k, depth = view.camera.intrinsics, depth[low, None]
     focal = (k.fx / depth).astype(np.float32)
-    u, v = (
-        focal * (offset[low] @ footprint) + np.float32(middle) for offset, middle in ((across, k.cx), (down, k.cy))
-    )
+    u, v = (focal * (offset[low] @ footprint) + np.float32(middle) for offset, middle in ((across, k.cx), (down, k.cy)))
     clear[low] = (look_up(surface, u, v, outside=np.inf) > depth).all(axis=1)
     return clear
 
