@@ -3,6 +3,7 @@ from dataclasses import replace
 import pytest
 
 from grasp_core.errors import GraspError
+from workbench import colours
 from workbench.bridge import read_message
 from workbench.inspector import actions as a
 from workbench.inspector.orders import Choice
@@ -24,12 +25,15 @@ def test_every_candidate_has_its_row(shown, bridge, sight, one_plan):
     assert "0.900" in page and "80" in page
     assert "1 candidate <" in listing(replace(shown, scene=replace(shown.scene, sight=sight((one_plan(1),)))), bridge)
     assert "2 hidden" in listing(replace(shown, least=0.8), bridge)
+    none = listing(replace(shown, least=1.0), bridge)
+    assert "All scores are below 1.00" in none and "<table" not in none and "least score" in none
 
 
 def test_what_physics_and_people_said_stands_in_the_row(shown, bridge, attempt):
     trial = TrialState({0: attempt(0), 1: attempt(1, "SLIPPED")}, complete=True)
     page = listing(replace(shown.with_trial(Choice(0, 0), trial), verdicts={Choice(0, 1): "bad"}), bridge)
     assert ">1/2<" in page and "✗" in page
+    assert f"color:{colours.css(colours.score(0.5))}" in page, "halfway between nothing and all"
 
 
 def test_empty_plans_and_failures_say_why(shown, state, bridge, empty_scene, sight):

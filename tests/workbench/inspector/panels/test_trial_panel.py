@@ -53,6 +53,8 @@ def test_evidence_in_short_lines(attempt):
     found = Evidence(words="x", lift=0.12, left=contact, clearance=0.299)
     told = evidence(replace(attempt(0), evidence=msgspec.json.encode(found).decode()))
     assert "lift 12.0 cm" in told and "left finger: edge, 19 N" in told and "29.9 cm above" in told
+    lying = Evidence(words="x", lift=0.12, clearance=-0.0008)
+    assert "· on the table" in evidence(replace(attempt(0), evidence=msgspec.json.encode(lying).decode()))
     assert "height map" in evidence(replace(attempt(0), evidence=None))
 
 

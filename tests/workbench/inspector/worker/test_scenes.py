@@ -69,10 +69,11 @@ def test_a_lifted_object_settles_on_the_table():
 
 
 def test_an_own_mesh_is_read_in_its_unit(tmp_path):
-    path = tmp_path / "0123--brick.stl"
+    path = tmp_path / "0123456789ab--brick.stl"
     trimesh.creation.box((120, 40, 60)).export(path)
     key = "mesh-0123-mm"
     _, scene, _ = make_scene(SceneRequest((Thing(key),)), DEFAULT, {key: str(path)})
+    assert scene.objects[0].asset.name == "brick", "uploads are kept under their digest"
     assert sorted(scene.objects[0].asset.extents) == pytest.approx([0.04, 0.06, 0.12], abs=1e-3)
     with pytest.raises(GraspError, match=r"^brick\.stl: .* set another mesh unit$"):
         make_scene(SceneRequest((Thing("mesh-0123-m"),)), DEFAULT, {"mesh-0123-m": str(path)})
