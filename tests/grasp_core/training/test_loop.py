@@ -1,3 +1,4 @@
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -59,6 +60,7 @@ def test_tensorboard_shows_every_epoch_once(tmp_path: Path) -> None:
     broken.stop_at = 5
     with pytest.raises(KeyboardInterrupt):
         fit(broken, SCHEDULE, tmp_path, about="a", progress=False)
+    time.sleep(1.1)  # files are read in the order of their names: the second, then a counter, of which 10 is before 9
     result = fit(Line(), SCHEDULE, tmp_path, about="a", progress=False)
     log = accumulator.EventAccumulator(str(tmp_path / "tensorboard" / "line"))
     log.Reload()
